@@ -1,0 +1,50 @@
+"""YAML or JSON documents read into strict models, with errors that name the field."""
+
+from pathlib import Path
+from typing import Any, TypeVar
+
+import yaml
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from dropflow.errors import DropflowError, FieldProblem
+
+Model = TypeVar("Model", bound=BaseModel)
+
+
+class StrictModel(BaseModel):
+    """A frozen document in which an unknown field or a non-finite number is an error."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, use_attribute_docstrings=True)
+
+
+def parse(model: type[Model], content: Any, error: type[DropflowError], *, file: str | None = None) -> Model:
+    """Validate `content` (what YAML or JSON gave) as `model`; raise `error` naming each wrong field."""
+    if not isinstance(content, dict):
+        raise error("The document must be a mapping of fields.", file=file)
+    try:
+        return model.model_validate(content)
+    except ValidationError as problem:
+        raise error("Please correct:", file=file, fields=field_problems(problem)) from None
+
+
+def load(model: type[Model], path: Path, error: type[DropflowError]) -> Model:
+    """Read the YAML (or JSON) file at `path` as `model`."""
+    try:
+        content = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except OSError as problem:
+        raise error(f"The file cannot be read ({problem.strerror}).", file=str(path)) from None
+    except (yaml.YAMLError, UnicodeDecodeError) as problem:
+        reason = " ".join(str(problem).split())
+        raise error(f"This is not valid YAML: {reason}", file=str(path)) from None
+    return parse(model, content, error, file=str(path))
+
+
+def field_problems(problem: ValidationError) -> list[FieldProblem]:
+    """Pydantic's findings as dotted fields; the branch names of unions are no fields of the document and left out."""
+    return [
+        FieldProblem(
+            field=".".join(str(part) for part in found["loc"] if not (isinstance(part, str) and part[:1].isupper())),
+            message=found["msg"].removeprefix("Value error, "),
+        )
+        for found in problem.errors(include_url=False)
+    ]

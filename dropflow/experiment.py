@@ -1,0 +1,104 @@
+"""What was filmed: optics, timing, phase and fluid. The one schema of ``experiment.yaml``."""
+
+from datetime import datetime
+from enum import StrEnum
+from math import hypot
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import Field, field_validator, model_validator
+
+from dropflow import documents
+from dropflow.documents import StrictModel
+from dropflow.errors import ExperimentError
+
+
+class DropletTone(StrEnum):
+    """How droplets look against the fluid around them."""
+
+    BRIGHT = "bright"
+    DARK = "dark"
+
+
+class Phase(StrEnum):
+    """The phase that was filmed: the paper's bottom phase holds bright rising droplets, its top phase dark sinking ones."""
+
+    BOTTOM = "bottom"
+    TOP = "top"
+
+
+class GreyFrom(StrEnum):
+    """How a colour frame becomes grey: one channel, or luminance 0.299 R + 0.587 G + 0.114 B (ITU-R BT.601)."""
+
+    LUMINANCE = "luminance"
+    RED = "red"
+    GREEN = "green"
+    BLUE = "blue"
+
+
+class FixedMaterial(StrictModel):
+    """Density difference and viscosity, constant over the film."""
+
+    delta_density_kg_m3: float
+    """The droplet's density minus that of the fluid around it, kg/m3. Negative rises along `up`, positive sinks."""
+    viscosity_pa_s: Annotated[float, Field(gt=0)]
+    """Dynamic viscosity of the fluid around the droplet, Pa s."""
+
+
+class Experiment(StrictModel):
+    """One film and everything that must be known to read it in physical units."""
+
+    name: Annotated[str, Field(min_length=1, max_length=200)]
+    """What people call this experiment."""
+    pixel_size_um: Annotated[float, Field(gt=0, le=1e4)]
+    """Edge of one pixel in the sample, micrometres."""
+    frame_interval_s: Annotated[float, Field(gt=0, le=1e6)] | None = None
+    """Time between frames, seconds. Give this or `timestamps`."""
+    timestamps: str | None = None
+    """CSV file with one time in seconds per frame (column `time_s`), beside experiment.yaml. Give this or `frame_interval_s`."""
+    droplets: DropletTone
+    """`bright` on a dark ground, or `dark` on a bright one. `dark` inverts the image and nothing else."""
+    up: tuple[float, float] = (0.0, -1.0)
+    """Direction against gravity in image axes (x right, y down)."""
+    phase: Phase | None = None
+    """Which phase was filmed: `bottom` or `top`."""
+    material: FixedMaterial | Annotated[str, Field(min_length=1, max_length=100)]
+    """Density difference and viscosity, or the name of a material file."""
+    flat_field: str | None = None
+    """Image of the empty field of view, beside experiment.yaml: frames are divided by it."""
+    temperature_log: str | None = None
+    """CSV file with columns `time_s` and `temperature_c`, beside experiment.yaml."""
+    observation_depth_um: Annotated[float, Field(gt=0)] | None = None
+    """Depth over which droplets are seen, micrometres; without it densities are per area."""
+    grey_from: GreyFrom | None = None
+    """How colour frames become grey. Without it a colour frame is an error."""
+    recorded_at: datetime | None = None
+    """When the film began."""
+    notes: Annotated[str, Field(max_length=20_000)] = ""
+    """Free text."""
+    tags: tuple[Annotated[str, Field(min_length=1, max_length=100)], ...] = ()
+    """Free words to find the experiment by."""
+
+    @field_validator("up")
+    @classmethod
+    def _up_is_a_direction(cls, up: tuple[float, float]) -> tuple[float, float]:
+        length = hypot(*up)
+        if length == 0:
+            raise ValueError("must not be (0, 0): give the direction against gravity, e.g. [0, -1]")
+        return (up[0] / length, up[1] / length)
+
+    @model_validator(mode="after")
+    def _one_source_of_time(self) -> "Experiment":
+        if (self.frame_interval_s is None) == (self.timestamps is None):
+            raise ValueError("give either frame_interval_s (seconds between frames) or timestamps (a CSV file)")
+        return self
+
+
+def parse_experiment(content: Any, *, file: str | None = None) -> Experiment:
+    """Validate a document that was read from YAML or JSON; raise `ExperimentError` naming each wrong field."""
+    return documents.parse(Experiment, content, ExperimentError, file=file)
+
+
+def load_experiment(path: Path) -> Experiment:
+    """Read ``experiment.yaml``. Files it names are looked up beside it by whoever needs them."""
+    return documents.load(Experiment, path, ExperimentError)
