@@ -95,7 +95,7 @@ class ResultsError(DropflowError, ValueError):
     default_code = "results.invalid"
 
 
-class Cancelled(DropflowError):
+class Cancelled(DropflowError):  # noqa: N818 - a request, not an error
     """Somebody asked for long work to stop."""
 
     default_code = "run.cancelled"

@@ -21,7 +21,7 @@ class DropletTone(StrEnum):
 
 
 class Phase(StrEnum):
-    """The phase that was filmed: the paper's bottom phase holds bright rising droplets, its top phase dark sinking ones."""
+    """The phase that was filmed. In the paper's, bright droplets rise in the bottom one and dark ones sink in the top one."""
 
     BOTTOM = "bottom"
     TOP = "top"
@@ -55,7 +55,7 @@ class Experiment(StrictModel):
     frame_interval_s: Annotated[float, Field(gt=0, le=1e6)] | None = None
     """Time between frames, seconds. Give this or `timestamps`."""
     timestamps: str | None = None
-    """CSV file with one time in seconds per frame (column `time_s`), beside experiment.yaml. Give this or `frame_interval_s`."""
+    """CSV file beside experiment.yaml with one time per frame (column `time_s`). Give this or `frame_interval_s`."""
     droplets: DropletTone
     """`bright` on a dark ground, or `dark` on a bright one. `dark` inverts the image and nothing else."""
     up: tuple[float, float] = (0.0, -1.0)

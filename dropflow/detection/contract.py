@@ -31,7 +31,7 @@ class Detection:
 
 
 class Detector(Protocol):
-    """Finds the droplets of single frames. Made by `dropflow.detection.make_detector`; holds no state between frames."""
+    """Finds the droplets of single frames, made by `dropflow.detection.make_detector`. No state between frames."""
 
     def prepare(self, frame: Frame) -> Image:
         """Clean one frame: flat field, stripes, noise, contrast; `droplets: dark` is inverted here."""
