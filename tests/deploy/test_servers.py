@@ -1,0 +1,100 @@
+"""The embedded servers start, keep what they are given, and go when their starter goes."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import psycopg
+import pytest
+import redis
+from redis.backoff import NoBackoff
+from redis.retry import Retry
+
+from deploy.local.postgres import Installation, Postgres, installations, new_password, plain
+from deploy.local.processes import end_left_over, is_port_free, start
+from deploy.local.valkey import Valkey
+from tests.services import ROOT, scratch_folder
+
+
+@pytest.mark.parametrize("installation", installations(), ids=lambda found: f"PostgreSQL-{found.version}")
+def test_postgres_keeps_its_data_over_a_restart_in_a_closed_folder(installation: Installation) -> None:
+    """Every PostgreSQL of this machine serves a folder that only its owner can enter, which matters to root."""
+    with scratch_folder() as folder:
+        folder.chmod(0o700)
+        server = Postgres(folder, password=new_password(), log=folder / "log", installation=installation)
+        first = server.start()
+        server.create_database("kept")
+        with psycopg.connect(plain(server.url("kept"))) as connection:
+            connection.execute("create table droplets as select 7 as n")
+        assert first.stop()
+        second = server.start()
+        with psycopg.connect(plain(server.url("kept"))) as connection:
+            assert connection.execute("select n from droplets").fetchone() == (7,)
+        assert second.stop()
+
+
+def test_postgres_asks_for_its_password(postgres_server: Postgres) -> None:
+    with pytest.raises(psycopg.OperationalError, match="password authentication failed"):
+        psycopg.connect(f"postgresql://dropflow:wrong@127.0.0.1:{postgres_server.port}/postgres")
+
+
+def test_valkey_keeps_a_queued_message_over_a_kill() -> None:
+    with scratch_folder() as folder:
+        server = Valkey(folder, password=new_password(), log=folder / "log")
+        first = server.start()
+        with redis.Redis.from_url(server.url()) as client:
+            client.rpush("queue", "shard 1")
+            time.sleep(1.1)  # the append-only file reaches the disk once a second
+            first.process.send_signal(signal.SIGKILL)
+            first.process.wait()
+        second = server.start()
+        with redis.Redis.from_url(server.url()) as client:
+            assert client.lrange("queue", 0, -1) == [b"shard 1"]
+        assert second.stop()
+
+
+def test_valkey_asks_for_its_password(valkey_server: Valkey) -> None:
+    client = redis.Redis(port=valkey_server.port, retry=Retry(NoBackoff(), 0))
+    with client, pytest.raises(redis.AuthenticationError):
+        client.ping()
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="only Linux tells a child that its parent died")
+def test_servers_end_when_their_starter_is_killed(tmp_path: Path) -> None:
+    with scratch_folder() as folder:
+        script = (
+            "import time; from pathlib import Path\n"
+            "from deploy.local.postgres import Postgres; from deploy.local.valkey import Valkey\n"
+            f"folder = Path({str(folder)!r})\n"
+            "a = Postgres(folder / 'p', password='x', log=folder / 'p.log', is_durable=False); a.start()\n"
+            "b = Valkey(folder / 'v', password='x', log=folder / 'v.log'); b.start()\n"
+            "print(a.port, b.port, flush=True); time.sleep(60)\n"
+        )
+        starter = subprocess.Popen([sys.executable, "-c", script], cwd=ROOT, stdout=subprocess.PIPE, text=True)
+        assert starter.stdout is not None
+        ports = [int(word) for word in starter.stdout.readline().split()]
+        starter.kill()
+        starter.communicate()
+        deadline = time.monotonic() + 10
+        while not all(map(is_port_free, ports)) and time.monotonic() < deadline:
+            time.sleep(0.05)
+        assert len(ports) == 2
+        assert all(map(is_port_free, ports))
+        assert not (folder / "p" / "cluster" / "postmaster.pid").exists()
+
+
+def test_a_process_left_behind_is_ended_at_the_next_start(tmp_path: Path) -> None:
+    pid_file = tmp_path / "sleeper.pid"
+    child = start("sleeper", ["sleep", "60"], log=tmp_path / "log", pid_file=pid_file)
+    assert end_left_over(pid_file)
+    assert child.process.wait(5) == -signal.SIGTERM
+    assert not pid_file.exists()
+
+
+def test_a_pid_used_again_by_another_process_is_left_alone(tmp_path: Path) -> None:
+    pid_file = tmp_path / "stranger.pid"
+    pid_file.write_text(f"{os.getpid()} some other time")
+    assert not end_left_over(pid_file)
