@@ -5,6 +5,7 @@ from typing import Any, TypeVar
 
 import yaml
 from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic_core import ErrorDetails
 
 from dropflow.errors import DropflowError, FieldProblem
 
@@ -39,12 +40,25 @@ def load(model: type[Model], path: Path, error: type[DropflowError]) -> Model:
     return parse(model, content, error, file=str(path))
 
 
+class FieldError(ValueError):
+    """Raised by a validator that looks at several fields, to say which of them the user should change."""
+
+    def __init__(self, field: str, message: str) -> None:
+        super().__init__(message)
+        self.field = field
+
+
 def field_problems(problem: ValidationError) -> list[FieldProblem]:
-    """Pydantic's findings as dotted fields; the branch names of unions are no fields of the document and left out."""
-    return [
-        FieldProblem(
-            field=".".join(str(part) for part in found["loc"] if not (isinstance(part, str) and part[:1].isupper())),
-            message=found["msg"].removeprefix("Value error, "),
-        )
-        for found in problem.errors(include_url=False)
-    ]
+    """Pydantic's findings as dotted fields.
+
+    The branch names of unions, which begin with a capital, are no fields of the document and are left out.
+    """
+    return [_field_problem(found) for found in problem.errors(include_url=False)]
+
+
+def _field_problem(found: ErrorDetails) -> FieldProblem:
+    path = [str(part) for part in found["loc"] if not (isinstance(part, str) and part[:1].isupper())]
+    cause = found.get("ctx", {}).get("error")
+    if isinstance(cause, FieldError):
+        path.append(cause.field)
+    return FieldProblem(field=".".join(path), message=found["msg"].removeprefix("Value error, "))

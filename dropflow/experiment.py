@@ -6,10 +6,10 @@ from math import hypot
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Discriminator, Field, Tag, field_validator, model_validator
 
 from dropflow import documents
-from dropflow.documents import StrictModel
+from dropflow.documents import FieldError, StrictModel
 from dropflow.errors import ExperimentError
 
 
@@ -62,7 +62,10 @@ class Experiment(StrictModel):
     """Direction against gravity in image axes (x right, y down)."""
     phase: Phase | None = None
     """Which phase was filmed: `bottom` or `top`."""
-    material: FixedMaterial | Annotated[str, Field(min_length=1, max_length=100)]
+    material: Annotated[
+        Annotated[FixedMaterial, Tag("Fixed")] | Annotated[str, Field(min_length=1, max_length=100), Tag("Name")],
+        Discriminator(lambda material: "Name" if isinstance(material, str) else "Fixed"),
+    ]
     """Density difference and viscosity, or the name of a material file."""
     flat_field: str | None = None
     """Image of the empty field of view, beside experiment.yaml: frames are divided by it."""
@@ -90,7 +93,9 @@ class Experiment(StrictModel):
     @model_validator(mode="after")
     def _one_source_of_time(self) -> "Experiment":
         if (self.frame_interval_s is None) == (self.timestamps is None):
-            raise ValueError("give either frame_interval_s (seconds between frames) or timestamps (a CSV file)")
+            raise FieldError(
+                "frame_interval_s", "give either frame_interval_s (seconds between frames) or timestamps (a CSV file)"
+            )
         return self
 
 

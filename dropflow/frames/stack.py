@@ -30,11 +30,11 @@ class StackFrames(Frames):
         self._archive = archive
         self._files, self._names, self._grey_from = files, names, grey_from
         first = self._read_pages(names[0])
-        if isinstance(first, TiffFrames) and len(first) > 1:
+        n_pages = 1
+        if isinstance(first, TiffFrames):
+            n_pages = len(first)
             first.close()
-            self._n_before = [0, *accumulate(self._count_pages(name) for name in names)]
-        else:
-            self._n_before = list(range(len(names) + 1))
+        self._n_before = [0, *accumulate(self._count_pages(name) if n_pages > 1 else 1 for name in names)]
         self._is_paged = self._n_before[1] > 1
         frame = self._read_page(0, 0)
         self.shape = (frame.shape[0], frame.shape[1])

@@ -11,6 +11,7 @@ from dropflow.errors import FramesError
 from dropflow.experiment import GreyFrom
 from dropflow.frames.contract import Frame, Frames
 from dropflow.frames.decode import check_size, to_grey
+from dropflow.frames.tiff_chain import count_pages
 
 # What tifffile logs (broken tags, odd metadata) is raised below in our own words where it matters.
 logging.getLogger("tifffile").setLevel(logging.CRITICAL)
@@ -26,10 +27,10 @@ class TiffFrames(Frames):
         self._file, self._name, self._grey_from = file, name, grey_from
         self._lock = threading.Lock()
         self._size_bytes = file.seek(0, 2)
-        file.seek(0)
         try:
+            self._n_pages = count_pages(file)
+            file.seek(0)
             self._tiff = tifffile.TiffFile(file, name=name)
-            self._n_pages = len(self._tiff.pages)
             first = self._read(0)
         except FramesError:
             file.close()
