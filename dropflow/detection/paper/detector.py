@@ -1,0 +1,109 @@
+"""The paper's detection, whole: prepared frame, both strategies, duplicates, match (sections 3.1.1 to 3.1.3)."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from dropflow.detection.contract import Detection, Frame, Image, Rejected
+from dropflow.detection.paper.circles import Circles
+from dropflow.detection.paper.confidence import position_std_px, probability, radius_std_px
+from dropflow.detection.paper.duplicates import is_similar, is_unique
+from dropflow.detection.paper.match import climb, match
+from dropflow.detection.paper.thresholding import find_by_threshold, measure_background, threshold_levels
+from dropflow.detection.paper.watershed import find_by_watershed
+from dropflow.droplets import Droplets
+from dropflow.experiment import DropletTone
+from dropflow.parameters import PaperDetection
+from dropflow.preprocess import StackEstimate, band_pass, corrected, stretch
+
+Flags = npt.NDArray[np.bool_]
+
+HALVED_FROM_PX = 6.0
+"""Candidates are looked for on a frame of half the size where the smallest radius is at least this: four times less
+work, and the match then finds the place on the whole frame."""
+
+
+@dataclass(frozen=True)
+class PaperDetector:
+    """Sections 3.1.1 to 3.1.3 with the constants `knobs`, for droplets of `r_min_px` to `r_max_px`."""
+
+    estimate: StackEstimate
+    tone: DropletTone
+    r_min_px: float
+    r_max_px: float
+    knobs: PaperDetection
+
+    def prepare(self, frame: Frame) -> Image:
+        """Flat field, band pass, contrast: levels 0 to 255, droplets bright (section 3.1.1)."""
+        image = corrected(frame, self.estimate, self.tone)
+        brightest = max(abs(float(image.min())), abs(float(image.max())))
+        filtered = band_pass(
+            image,
+            high_pass_x=self.knobs.high_pass_x,
+            high_pass_y=self.knobs.high_pass_y,
+            low_pass=self.knobs.low_pass,
+        )
+        low, high = self.knobs.contrast_low_percent, self.knobs.contrast_high_percent
+        return stretch(filtered, low_percent=low, high_percent=high, reference=brightest)
+
+    def detect(self, image: Image) -> Detection:
+        """Find droplets by both strategies, merge duplicates, climb to the best match and judge it."""
+        candidates = self.candidates(image)
+        at_start = match(image, candidates.x_px, candidates.y_px, candidates.r_px, knobs=self.knobs)
+        first = self._droplets(candidates, at_start)
+        is_first = is_unique(first.x_px, first.y_px, first.r_px, first.match, knobs=self.knobs)
+        climbed = self._climbed(image, candidates[is_first])
+        # Different starts may have climbed to one droplet, hence duplicates are looked for once more.
+        is_second = is_unique(climbed.x_px, climbed.y_px, climbed.r_px, climbed.match, knobs=self.knobs)
+        is_range = (climbed.r_px >= self.r_min_px) & (climbed.r_px <= self.r_max_px)
+        is_match = climbed.match > self.knobs.minimum_match
+        reasons = np.select([~is_second, ~is_range, ~is_match], ["duplicate", "radius", "match"], default="")
+        is_bad = reasons != ""
+        told = ("duplicate",) * int(np.count_nonzero(~is_first)) + tuple(str(reason) for reason in reasons[is_bad])
+        rejected = Rejected(Droplets.concatenate([first[~is_first], climbed[is_bad]]), told)
+        return Detection(climbed[~is_bad], rejected)
+
+    def candidates(self, image: Image) -> Circles:
+        """Circles of both strategies (section 3.1.2): thresholds for small and for big droplets, and watershed."""
+        factor = 2 if self.r_min_px >= HALVED_FROM_PX else 1
+        small = image if factor == 1 else cv2.resize(image, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA)
+        # A strategy's radius is a first guess: it may leave the range as far as a similar radius goes.
+        r_min_px = self.r_min_px * self.knobs.similar_ratio_min / factor
+        r_max_px = self.r_max_px * self.knobs.similar_ratio_max / factor
+        levels = threshold_levels(measure_background(small), self.knobs)
+        found = [find_by_threshold(small, level, r_min_px=r_min_px, r_max_px=r_max_px) for level in levels]
+        height = self.knobs.maxima_height
+        found.append(find_by_watershed(small, maxima_height=height, r_min_px=r_min_px, r_max_px=r_max_px))
+        return Circles.concatenate(found).enlarged(factor)
+
+    def find_near(self, image: Image, predicted: Droplets) -> tuple[Droplets, Flags]:
+        """Climb from each prediction to the best match near it (section 3.3.1).
+
+        It is taken for the predicted droplet when its match is above the minimum, it lies within `search_walk`
+        predicted radii of the prediction, and its radius is in the range looked for and similar to the predicted one.
+        A droplet predicted outside the frame is not found there, and its match is 0.
+        """
+        found = self._climbed(image, Circles(predicted.x_px, predicted.y_px, predicted.r_px))
+        walk = np.hypot(found.x_px - predicted.x_px, found.y_px - predicted.y_px)
+        is_good = (found.match > self.knobs.minimum_match) & (walk <= self.knobs.search_walk * predicted.r_px)
+        is_good &= is_similar(found.r_px, predicted.r_px, self.knobs)
+        is_good &= (found.r_px >= self.r_min_px) & (found.r_px <= self.r_max_px)
+        return found, is_good
+
+    def _climbed(self, image: Image, circles: Circles) -> Droplets:
+        """Droplets where the match is at its local maximum."""
+        low = self.r_min_px * self.knobs.similar_ratio_min
+        high = self.r_max_px * self.knobs.similar_ratio_max
+        x, y, r, best = climb(
+            image, circles.x_px, circles.y_px, circles.r_px, r_low_px=low, r_high_px=high, knobs=self.knobs
+        )
+        return self._droplets(Circles(x, y, r), best)
+
+    def _droplets(self, circles: Circles, matches: npt.NDArray[np.float64]) -> Droplets:
+        """Circles with their match and what it says of their certainty."""
+        finite = np.where(np.isfinite(matches), matches, 0.0)
+        r_px = circles.r_px
+        x_std, r_std = position_std_px(r_px), radius_std_px(r_px)
+        return Droplets(circles.x_px, circles.y_px, r_px, x_std, r_std, probability(finite), finite)

@@ -1,0 +1,96 @@
+"""The first strategy of section 3.1.2: thresholds, and maxima of the distance to the background."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from dropflow.detection.paper.circles import Circles
+from dropflow.parameters import PaperDetection
+
+Image = npt.NDArray[np.float32]
+Mask = npt.NDArray[np.uint8]
+
+
+@dataclass(frozen=True)
+class Background:
+    """Grey level and noise of what is between the droplets, in levels 0 to 255."""
+
+    level: float
+    noise: float
+    """Standard deviation."""
+
+
+def measure_background(image: Image) -> Background:
+    """Take the most frequent grey level and, for the noise, half the width of the histogram's peak on its dark side.
+
+    The bright side of that peak holds droplets, hence only the other is looked at.
+    """
+    counts = cv2.calcHist([image], [0], None, [256], [0, 256]).ravel()
+    smoothed = np.convolve(counts, np.ones(5) / 5, mode="same")
+    peak = int(np.argmax(smoothed))
+    below = np.flatnonzero(smoothed[: peak + 1] < smoothed[peak] / 2)
+    width = peak - int(below[-1]) if below.size else peak
+    return Background(level=peak + 0.5, noise=width / np.sqrt(2 * np.log(2)))
+
+
+def threshold_levels(background: Background, knobs: PaperDetection) -> tuple[float, float]:
+    """Return the threshold for small droplets and the one for big ones, in levels 0 to 255.
+
+    The paper does not say its two thresholds. A fixed level cannot serve, for the level of the background in the
+    stretched frame depends on how many droplets there are: both are parts of the way from it to white.
+    """
+    floor = background.level + knobs.threshold_noise * background.noise
+    way = 255 - background.level
+    small, big = (background.level + part * way for part in (knobs.threshold_small, knobs.threshold_big))
+    return min(max(small, floor), 254.0), min(max(big, floor), 254.0)
+
+
+def find_by_threshold(image: Image, level: float, *, r_min_px: float, r_max_px: float) -> Circles:
+    """Find circles around the local maxima of the distance to the background.
+
+    Parameters
+    ----------
+    image
+        Prepared frame, shape (rows, columns), float32, levels 0 to 255.
+    level
+        Pixels darker than this are background.
+    r_min_px, r_max_px
+        Radii looked for, in pixels of `image`.
+
+    Returns
+    -------
+    Circles in pixels of `image`, one for each maximum at least `r_min_px` from any other.
+    """
+    droplets = (image >= level).astype(np.uint8)
+    _fill_isolated_background(droplets, max_area_px=np.pi * r_max_px**2)
+    if not droplets.any() or droplets.all():
+        return Circles.none()
+    distance = cv2.distanceTransform(droplets, cv2.DIST_L2, cv2.DIST_MASK_5)
+    return _maxima(distance, r_min_px=r_min_px, r_max_px=r_max_px)
+
+
+def _fill_isolated_background(droplets: Mask, max_area_px: float) -> None:
+    """Count background wholly surrounded by droplets, and no larger than the largest droplet, as droplet (in place)."""
+    contours, hierarchy = cv2.findContours(droplets, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_SIMPLE)
+    if hierarchy is None:
+        return
+    holes = [i for i in np.flatnonzero(hierarchy[0, :, 3] >= 0) if cv2.contourArea(contours[i]) <= max_area_px]
+    for i in holes:
+        cv2.drawContours(droplets, contours, int(i), 1, thickness=cv2.FILLED)
+
+
+def _maxima(distance: Image, *, r_min_px: float, r_max_px: float) -> Circles:
+    """Local maxima of a distance map within a window of one smallest radius; a plateau counts once, at its centroid."""
+    reach = max(1, round(r_min_px))
+    window = cv2.getStructuringElement(cv2.MORPH_RECT, (2 * reach + 1, 2 * reach + 1))
+    is_maximum = (distance >= cv2.dilate(distance, window)) & (distance >= r_min_px) & (distance <= r_max_px)
+    n_labels, labels, _, centroids = cv2.connectedComponentsWithStats(is_maximum.astype(np.uint8), connectivity=8)
+    if n_labels == 1:
+        return Circles.none()
+    rows, columns = np.nonzero(is_maximum)
+    radius = np.zeros(n_labels)
+    radius[labels[rows, columns]] = distance[rows, columns]
+    # The distance is to the centre of the nearest background pixel; the edge is half a pixel nearer.
+    return Circles(centroids[1:, 0], centroids[1:, 1], radius[1:] - 0.5)
