@@ -1,0 +1,81 @@
+"""Stripes of light and shadow behind droplets, as seen from the lamp on the right (section 2.2)."""
+
+import numba
+import numpy as np
+import numpy.typing as npt
+
+from dropflow.simulation.cloud import Cloud
+from dropflow.simulation.optics import reach_um
+from dropflow.simulation.scenario import Scenario
+
+Column = npt.NDArray[np.float64]
+Picture = npt.NDArray[np.float32]
+
+_N_UPSTREAM_WAVES = 48
+_UPSTREAM_WIDTH_UM = 8.0
+_UPSTREAM_TIME_S = 5.0
+
+
+def upstream_streaks(scenario: Scenario, time_s: float, seed: int) -> Picture:
+    """Relative change of the light that enters at the right border, by row: what droplets beyond it did."""
+    rng = np.random.default_rng(np.random.SeedSequence([seed, 0x57]))
+    wave_per_px = rng.standard_normal(_N_UPSTREAM_WAVES) * scenario.pixel_size_um / _UPSTREAM_WIDTH_UM
+    phase = rng.uniform(0, 2 * np.pi, _N_UPSTREAM_WAVES) + rng.standard_normal(_N_UPSTREAM_WAVES) * (
+        time_s / _UPSTREAM_TIME_S
+    )
+    rows = np.arange(scenario.height_px)[:, None]
+    waves = np.cos(rows * wave_per_px + phase).sum(axis=1) * np.sqrt(2.0 / _N_UPSTREAM_WAVES)
+    return (scenario.streak_upstream * scenario.streak_amplitude * waves).astype(np.float32)
+
+
+def streaks(cloud: Cloud, upstream: Picture, scenario: Scenario) -> Picture:
+    """Relative change of the light over the frame, shape (height, width).
+
+    Each lit droplet adds a profile over its rows, which runs to the left, fades and widens. The droplet is a poor
+    lens: a bright line in the middle and a shadow on both sides, stronger or weaker by droplet.
+    """
+    source = np.zeros((scenario.width_px, scenario.height_px), np.float32)
+    pixel = scenario.pixel_size_um
+    strength = scenario.streak_amplitude * _character(cloud.droplet_id)
+    strength *= np.exp(-0.5 * (cloud.z_um / scenario.sheet_sigma_um) ** 2)
+    decay = np.exp(-pixel / scenario.streak_length_um)
+    _add_sources(source, cloud.x_um / pixel, cloud.y_um / pixel, cloud.r_um / pixel, strength, decay)
+    source[-1] += upstream
+    _run_left(source, np.float32(decay), np.float32(scenario.streak_spread_px2))
+    return source.T
+
+
+def _character(droplet_id: npt.NDArray[np.int64]) -> Column:
+    """A factor from 0.3 to 1.7 that stays with a droplet."""
+    return 0.3 + 1.4 * ((droplet_id * 0.6180339887498949) % 1.0)
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _add_sources(source: Picture, x: Column, y: Column, r: Column, strength: Column, decay: float) -> None:
+    width, height = source.shape
+    for i in range(x.size):
+        column = int(np.rint(x[i]))
+        if column < 0:
+            continue
+        fade = 1.0
+        if column >= width:
+            fade = decay ** (column - width + 1)
+            column = width - 1
+        top, bottom = max(int(y[i] - 2.0 * r[i]), 0), min(int(y[i] + 2.0 * r[i]) + 1, height - 1)
+        for row in range(top, bottom + 1):
+            d = ((row - y[i]) / r[i]) ** 2
+            profile = 1.3 * np.exp(-0.5 * d / 0.0484) - 0.55 * np.exp(-0.5 * d / 0.36)
+            source[column, row] += fade * strength[i] * profile
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _run_left(source: Picture, decay: np.float32, spread: np.float32) -> None:
+    """Carry the light from each column to the one on its left, in place; columns are rows of `source` here."""
+    width, height = source.shape
+    two = np.float32(2.0)
+    for column in range(width - 2, -1, -1):
+        for row in range(height):
+            here = source[column + 1, row]
+            above = source[column + 1, max(row - 1, 0)]
+            below = source[column + 1, min(row + 1, height - 1)]
+            source[column, row] += decay * (here + spread * (above - two * here + below))
