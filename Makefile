@@ -1,0 +1,97 @@
+# Dropflow: every habit of the project is one word here, and CI runs the same words (.ci/run).
+# A stamp is the file that a step leaves last, so that a second `make setup` does nothing.
+
+PYTHON ?= python3
+PORT ?= 8000
+DATA ?= data
+
+VENV := .venv
+BIN := $(VENV)/bin
+REQUIREMENTS := $(VENV)/.requirements-installed
+EDITABLE := $(VENV)/.dropflow-installed
+NODE_MODULES := frontend/node_modules/.package-lock.json
+PAGE := frontend/dist/index.html
+PAGE_SOURCES := $(shell find frontend -mindepth 1 \( -name node_modules -o -name dist \) -prune -o -print 2>/dev/null)
+
+# One thread a process: tests and workers run beside each other on few cores.
+ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 NUMBA_NUM_THREADS=1
+PYTEST := $(ONE_THREAD) $(BIN)/python -m pytest
+# So that a killed `make` takes the launcher with it; only Linux can.
+WITH_ME := $(if $(shell command -v setpriv),setpriv --pdeathsig TERM)
+
+export PORT DATA PIP_DISABLE_PIP_VERSION_CHECK := 1
+
+.SILENT:
+.DELETE_ON_ERROR:
+.PHONY: help setup python page browser run test test-full test-page lint types bench docs lock clean
+
+help: ## say what can be made
+	sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 20
+
+setup: python page browser ## install everything, once
+
+run: python page ## start Dropflow here: PORT=8000 DATA=data
+	exec $(WITH_ME) $(BIN)/python -m deploy.local
+
+test: setup test-page ## the quick tests (under 15 minutes on 2 cores)
+	$(PYTEST) -m "not slow"
+
+test-full: setup test-page ## all tests
+	$(PYTEST)
+
+test-page: page
+	npm --prefix frontend test --silent
+
+lint: python $(NODE_MODULES) ## style, and who may know whom
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/lint-imports
+	npm --prefix frontend run lint --silent
+
+types: python $(NODE_MODULES) ## mypy and tsc
+	$(BIN)/mypy
+	npm --prefix frontend run types --silent
+
+bench: python ## speed, memory and accuracy
+	$(BIN)/python -m benchmarks
+
+docs: python ## the documentation, into site/
+	$(BIN)/mkdocs build --strict --quiet
+
+lock: ## choose versions that fit together, for Python 3.11 (remove uv.lock first for the newest)
+	$(BIN)/python -m pip install --quiet uv
+	$(BIN)/uv lock --python 3.11
+	$(BIN)/uv export --frozen --no-emit-project --python 3.11 --quiet --output-file requirements.lock
+
+clean: ## remove what was installed and built; DATA stays
+	rm -rf $(VENV) frontend/node_modules frontend/dist site
+
+python: $(EDITABLE)
+
+page: $(PAGE)
+
+browser:
+	.ci/browser
+
+$(BIN)/python:
+	.ci/venv $(PYTHON) $(VENV)
+
+$(REQUIREMENTS): requirements.lock | $(BIN)/python
+	echo "Installing the Python packages (about a minute) ..."
+	$(BIN)/python -m pip install --quiet --no-deps --require-hashes --requirement requirements.lock
+	touch $@
+
+$(EDITABLE): pyproject.toml $(REQUIREMENTS)
+	$(BIN)/python -m pip install --quiet --no-deps --no-build-isolation --editable .
+	touch $@
+
+$(NODE_MODULES): frontend/package-lock.json frontend/package.json
+	command -v npm > /dev/null || { echo "Node 20 or newer with npm is needed to build the page (https://nodejs.org)." >&2; exit 2; }
+	echo "Installing the packages of the page ..."
+	npm --prefix frontend ci --silent --no-audit --no-fund
+	touch $@
+
+$(PAGE): $(PAGE_SOURCES) $(NODE_MODULES)
+	echo "Building the page ..."
+	npm --prefix frontend run build --silent -- --logLevel warn
+	touch $@
