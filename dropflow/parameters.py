@@ -38,6 +38,12 @@ class PaperDetection(StrictModel):
     """Gaussian width of the high pass along y."""
     low_pass: float = knob(100.0, unit="Fourier index", low=1.0, high=1e5, paper=100.0, section="3.1.1")
     """Gaussian width of the low pass along both axes: a blur by side / (2 pi 100) px."""
+    high_pass_radii: float = knob(1.2, unit="radii", low=0.0, high=100.0, section="3.1.1")
+    """The high pass is at least this many largest radii wide along x, as it is for the paper's frames and radii: in a
+    smaller frame index 5 alone would hollow out large droplets."""
+    low_pass_radii: float = knob(0.61, unit="radii", low=0.01, high=100.0, section="3.1.1")
+    """The low pass blurs by at most this many smallest radii, as it does for the paper's frames and radii: in a larger
+    frame index 100 alone would wash out small droplets."""
     contrast_low_percent: float = knob(1.0, unit="%", low=0.0, high=50.0, section="3.1.1")
     """Percentile of the filtered frame that becomes level 0."""
     contrast_high_percent: float = knob(99.7, unit="%", low=50.0, high=100.0, section="3.1.1")
@@ -46,10 +52,11 @@ class PaperDetection(StrictModel):
     """Threshold for small, faint droplets: this part of the way from the background's level to 255."""
     threshold_big: float = knob(0.5, unit="1", low=0.0, high=1.0, section="3.1.2")
     """Threshold for big droplets (parts those that overlap): this part of the way from the background's level to 255."""
-    threshold_noise: float = knob(4.0, unit="1", low=0.0, high=20.0, section="3.1.2")
-    """Neither threshold is nearer to the background's level than this many standard deviations of its noise."""
     maxima_height: float = knob(10.0, unit="levels", low=0.5, high=255.0, section="3.1.2")
-    """Extended maxima and minima of the watershed strategy are at least this high or deep."""
+    """Extended maxima and minima of the watershed strategy are at least this high or deep (see also `noise_margin`)."""
+    noise_margin: float = knob(4.0, unit="1", low=0.0, high=20.0, section="3.1.2")
+    """Thresholds stand above the background, and maxima above their surroundings, by at least this many standard
+    deviations of the background's noise."""
     duplicate_distance: float = knob(1.0, unit="radii", low=0.0, high=5.0, paper=1.0, section="3.1.2")
     """Two detections nearer than this many radii (of the smaller one) may be one droplet."""
     similar_ratio_min: float = knob(0.7, unit="1", low=0.1, high=1.0, paper=0.7, section="3.1.2")

@@ -2,7 +2,7 @@
 
 from dropflow.preprocess.contrast import percentiles, stretch
 from dropflow.preprocess.estimate import StackEstimate, estimate_stack
-from dropflow.preprocess.filters import band_pass, smooth
+from dropflow.preprocess.filters import Blur, band_pass, smooth
 from dropflow.preprocess.frame import corrected
 
-__all__ = ["StackEstimate", "band_pass", "corrected", "estimate_stack", "percentiles", "smooth", "stretch"]
+__all__ = ["Blur", "StackEstimate", "band_pass", "corrected", "estimate_stack", "percentiles", "smooth", "stretch"]

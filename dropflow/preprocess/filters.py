@@ -1,6 +1,7 @@
-"""Gaussian filters given as widths in Fourier index, done in real space."""
+"""Gaussian filters, done in real space."""
 
-from math import pi, sqrt
+from dataclasses import dataclass
+from math import hypot, pi, sqrt
 
 import cv2
 import numpy as np
@@ -12,42 +13,57 @@ REDUCED_SIGMA = 4.0
 """A blur is done on a frame reduced until its sigma is about this many pixels: wide ones cost as little as narrow ones."""
 
 
-def band_pass(image: Image, *, high_pass_x: float, high_pass_y: float, low_pass: float) -> Image:
-    """Remove stripes along x and noise (section 3.1.1).
+@dataclass(frozen=True)
+class Blur:
+    """Standard deviations of a Gaussian blur, px."""
 
-    Multiplying the spectrum by ``1 - exp(-u^2 / (2 high_pass_x^2) - v^2 / (2 high_pass_y^2))`` and by
-    ``exp(-(u^2 + v^2) / (2 low_pass^2))``, with Fourier indices u along x and v along y, is subtracting one Gaussian
-    blur from another, with sigma = side / (2 pi width). In real space that costs a tenth and reflects the frame at its
-    borders instead of wrapping it around.
+    sigma_x: float
+    sigma_y: float
+
+    @staticmethod
+    def from_fourier(shape: tuple[int, int], index_x: float, index_y: float) -> "Blur":
+        """The blur that multiplies the spectrum of a frame by ``exp(-u^2 / (2 index_x^2) - v^2 / (2 index_y^2))``.
+
+        u and v are Fourier indices (waves per side) along x and y: sigma = side / (2 pi index).
+        """
+        rows, columns = shape
+        return Blur(columns / (2 * pi * index_x), rows / (2 * pi * index_y))
+
+    def after(self, other: "Blur") -> "Blur":
+        """Both blurs, one after the other."""
+        return Blur(hypot(self.sigma_x, other.sigma_x), hypot(self.sigma_y, other.sigma_y))
+
+
+def band_pass(image: Image, *, high_pass: Blur, low_pass: Blur) -> Image:
+    """Subtract what `high_pass` leaves of a frame, and blur the rest by `low_pass` (section 3.1.1).
+
+    That is a filter ``(1 - H) L`` with two Gaussians H and L of the spectrum. In real space it costs a tenth, and it
+    reflects the frame at its borders instead of wrapping it around.
 
     Parameters
     ----------
     image
         Shape (rows, columns), float32; it is left as it is.
-    high_pass_x, high_pass_y, low_pass
-        Widths in Fourier index; the paper's are 5, 200 and 100.
+    high_pass, low_pass
+        The two blurs.
 
     Returns
     -------
     Shape (rows, columns), float32, around zero.
     """
-    rows, columns = image.shape
-    low_x, low_y = columns / (2 * pi * low_pass), rows / (2 * pi * low_pass)
-    wide_x, wide_y = columns / (2 * pi * high_pass_x), rows / (2 * pi * high_pass_y)
-    stripes = smooth(image, sqrt(wide_x**2 + low_x**2), sqrt(wide_y**2 + low_y**2))
-    filtered = smooth(image, low_x, low_y)
-    filtered -= stripes
+    filtered = smooth(image, low_pass)
+    filtered -= smooth(image, high_pass.after(low_pass))
     return filtered
 
 
-def smooth(image: Image, sigma_x: float, sigma_y: float) -> Image:
-    """Blur with a Gaussian of `sigma_x`, `sigma_y` px, borders reflected; shape (rows, columns), float32 as `image`.
+def smooth(image: Image, blur: Blur) -> Image:
+    """Blur with a Gaussian, borders reflected; shape (rows, columns), float32 as `image`.
 
     The frame is averaged down, blurred and interpolated back, and the blur that this adds by itself is taken off.
     """
     rows, columns = image.shape
-    small_columns, rest_x = _reduction(columns, sigma_x)
-    small_rows, rest_y = _reduction(rows, sigma_y)
+    small_columns, rest_x = _reduction(columns, blur.sigma_x)
+    small_rows, rest_y = _reduction(rows, blur.sigma_y)
     small = cv2.resize(image, (small_columns, small_rows), interpolation=cv2.INTER_AREA)
     cv2.GaussianBlur(small, (0, 0), sigmaX=rest_x, sigmaY=rest_y, dst=small, borderType=cv2.BORDER_REFLECT)
     blurred: Image = cv2.resize(small, (columns, rows), interpolation=cv2.INTER_LINEAR)

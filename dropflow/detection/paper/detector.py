@@ -16,7 +16,7 @@ from dropflow.detection.paper.watershed import find_by_watershed
 from dropflow.droplets import Droplets
 from dropflow.experiment import DropletTone
 from dropflow.parameters import PaperDetection
-from dropflow.preprocess import StackEstimate, band_pass, corrected, stretch
+from dropflow.preprocess import Blur, StackEstimate, band_pass, corrected, stretch
 
 Flags = npt.NDArray[np.bool_]
 
@@ -39,14 +39,21 @@ class PaperDetector:
         """Flat field, band pass, contrast: levels 0 to 255, droplets bright (section 3.1.1)."""
         image = corrected(frame, self.estimate, self.tone)
         brightest = max(abs(float(image.min())), abs(float(image.max())))
-        filtered = band_pass(
-            image,
-            high_pass_x=self.knobs.high_pass_x,
-            high_pass_y=self.knobs.high_pass_y,
-            low_pass=self.knobs.low_pass,
-        )
+        high_pass, low_pass = self.blurs()
+        filtered = band_pass(image, high_pass=high_pass, low_pass=low_pass)
         low, high = self.knobs.contrast_low_percent, self.knobs.contrast_high_percent
         return stretch(filtered, low_percent=low, high_percent=high, reference=brightest)
+
+    def blurs(self) -> tuple[Blur, Blur]:
+        """The high pass and the low pass of section 3.1.1 for frames of this shape and droplets of these radii."""
+        knobs, shape = self.knobs, self.estimate.shape
+        high = Blur.from_fourier(shape, knobs.high_pass_x, knobs.high_pass_y)
+        low = Blur.from_fourier(shape, knobs.low_pass, knobs.low_pass)
+        widest = knobs.low_pass_radii * self.r_min_px
+        return (
+            Blur(max(high.sigma_x, knobs.high_pass_radii * self.r_max_px), high.sigma_y),
+            Blur(min(low.sigma_x, widest), min(low.sigma_y, widest)),
+        )
 
     def detect(self, image: Image) -> Detection:
         """Find droplets by both strategies, merge duplicates, climb to the best match and judge it."""
@@ -72,9 +79,10 @@ class PaperDetector:
         # A strategy's radius is a first guess: it may leave the range as far as a similar radius goes.
         r_min_px = self.r_min_px * self.knobs.similar_ratio_min / factor
         r_max_px = self.r_max_px * self.knobs.similar_ratio_max / factor
-        levels = threshold_levels(measure_background(small), self.knobs)
+        background = measure_background(small)
+        levels = threshold_levels(background, self.knobs)
         found = [find_by_threshold(small, level, r_min_px=r_min_px, r_max_px=r_max_px) for level in levels]
-        height = self.knobs.maxima_height
+        height = max(self.knobs.maxima_height, self.knobs.noise_margin * background.noise)
         found.append(find_by_watershed(small, maxima_height=height, r_min_px=r_min_px, r_max_px=r_max_px))
         return Circles.concatenate(found).enlarged(factor)
 

@@ -1,6 +1,7 @@
 """The first strategy of section 3.1.2: thresholds, and maxima of the distance to the background."""
 
 from dataclasses import dataclass
+from math import log, sqrt
 
 import cv2
 import numpy as np
@@ -32,19 +33,20 @@ def measure_background(image: Image) -> Background:
     peak = int(np.argmax(smoothed))
     below = np.flatnonzero(smoothed[: peak + 1] < smoothed[peak] / 2)
     width = peak - int(below[-1]) if below.size else peak
-    return Background(level=peak + 0.5, noise=width / np.sqrt(2 * np.log(2)))
+    return Background(level=peak + 0.5, noise=width / sqrt(2 * log(2)))
 
 
 def threshold_levels(background: Background, knobs: PaperDetection) -> tuple[float, float]:
     """Return the threshold for small droplets and the one for big ones, in levels 0 to 255.
 
     The paper does not say its two thresholds. A fixed level cannot serve, for the level of the background in the
-    stretched frame depends on how many droplets there are: both are parts of the way from it to white.
+    stretched frame depends on how many droplets there are: both are parts of the way from it to white, and above its
+    noise. A frame of nothing but noise gets levels above white, which find nothing.
     """
-    floor = background.level + knobs.threshold_noise * background.noise
+    floor = background.level + knobs.noise_margin * background.noise
     way = 255 - background.level
     small, big = (background.level + part * way for part in (knobs.threshold_small, knobs.threshold_big))
-    return min(max(small, floor), 254.0), min(max(big, floor), 254.0)
+    return max(small, floor), max(big, floor)
 
 
 def find_by_threshold(image: Image, level: float, *, r_min_px: float, r_max_px: float) -> Circles:
