@@ -52,9 +52,7 @@ def flat_field(scenario: Scenario, chip: Picture, rng: np.random.Generator) -> G
     return _quantise(levels, scenario)
 
 
-def exposed(
-    liquid: Picture, light: Picture, chip: Picture, scenario: Scenario, rng: np.random.Generator
-) -> Grey:
+def exposed(liquid: Picture, light: Picture, chip: Picture, scenario: Scenario, rng: np.random.Generator) -> Grey:
     """The frame as the camera gives it.
 
     Parameters

@@ -66,15 +66,17 @@ class Population:
         events: list[Coalescence] = []
         for _ in range(n_steps):
             flow = self._move(interval_s / n_steps)
-            carried += flow[:2, self._where(before)] / n_steps
+            there, where = self._find(before)
+            carried[:, there] += flow[:2, where] / n_steps
             self._exchange(interval_s / n_steps)
             events += self._coalesce()
-            carried[:, ~np.isin(before, self.cloud.droplet_id)] = np.nan
+            carried[:, ~self._find(before)[0]] = np.nan
         return carried, events
 
-    def _where(self, ids: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
-        """Index of each id in the cloud, of some other droplet where it has gone (never of none)."""
-        return np.minimum(np.searchsorted(self.cloud.droplet_id, ids), max(len(self.cloud) - 1, 0))
+    def _find(self, ids: npt.NDArray[np.int64]) -> tuple[npt.NDArray[np.bool_], npt.NDArray[np.int64]]:
+        """Which of these droplets are there, and the index of each that is."""
+        there = np.isin(ids, self.cloud.droplet_id, assume_unique=True)
+        return there, np.searchsorted(self.cloud.droplet_id, ids[there])
 
     def _n_steps(self, interval_s: float) -> int:
         """Sub-steps in which not even the fastest droplet moves farther than the scenario allows."""

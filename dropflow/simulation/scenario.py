@@ -64,7 +64,7 @@ class Scenario(StrictModel):
     """dr/dt grows as radius to this power: 0 for equal growth, -1 for diffusion to single droplets."""
     nucleation_per_s: NotNegative = 2.0
     """Droplets nucleated per second in the volume of a frame of 2058 x 2448 px."""
-    collision_efficiency: Share = 0.05
+    collision_efficiency: Share = 0.02
     """Share of the pairs which touch in space that coalesce; the others pass (section 5)."""
     wake_strength: NotNegative = 0.0
     """Flow that a droplet drags along by its own drag (Stokeslet), times this: 0 for none, 1 for Stokes' value."""
@@ -90,13 +90,13 @@ class Scenario(StrictModel):
     """Mean flow down the image (section 4.6 finds the fluid moving against the droplets)."""
 
     # Light
-    sheet_sigma_um: Positive = 30.0
+    sheet_sigma_um: Positive = 25.0
     """Thickness of the light sheet: its profile in depth is a Gaussian of this standard deviation."""
     point_spread_px: Annotated[float, Field(ge=0.5)] = 1.0
     """Standard deviation of the point spread in the focal plane."""
     defocus_px_per_um: NotNegative = 0.2
     """Blur gained per um from the focal plane; it adds to the point spread in squares."""
-    contrast_levels: Positive = 160.0
+    contrast_levels: Positive = 170.0
     """Levels that droplet liquid filling the sheet adds to (or takes from) the background."""
     background_levels: NotNegative = 30.0
     """Levels of the fluid alone."""
@@ -168,7 +168,7 @@ class Scenario(StrictModel):
         """Where the true flow is written down."""
         return Grid(self.height_px, self.width_px, self.n_rows, self.n_columns)
 
-    def experiment(self, *, seed: int) -> Experiment:
+    def experiment(self, *, seed: int, is_with_flat_field: bool = True) -> Experiment:
         """What ``experiment.yaml`` says of this film."""
         return Experiment(
             name=f"simulated {self.name}, seed {seed}",
@@ -176,10 +176,8 @@ class Scenario(StrictModel):
             frame_interval_s=self.frame_interval_s,
             droplets=self.droplets,
             phase=Phase.TOP if self.is_dark else Phase.BOTTOM,
-            material=FixedMaterial(
-                delta_density_kg_m3=self.delta_density_kg_m3, viscosity_pa_s=self.viscosity_pa_s
-            ),
-            flat_field="flat_field.tif",
+            material=FixedMaterial(delta_density_kg_m3=self.delta_density_kg_m3, viscosity_pa_s=self.viscosity_pa_s),
+            flat_field="flat_field.tif" if is_with_flat_field else None,
             notes="Made by `dropflow simulate`; every constant is in scenario.yaml.",
             tags=("simulated", self.name),
         )
@@ -192,7 +190,7 @@ FAST = Scenario(
 DENSE = Scenario(name="dense", n_droplets=1000)
 DIRTY = Scenario(
     name="dirty",
-    contrast_levels=110,
+    contrast_levels=115,
     electrons_per_level=10,
     read_noise_levels=2.0,
     n_dirt=120,

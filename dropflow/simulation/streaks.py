@@ -5,7 +5,6 @@ import numpy as np
 import numpy.typing as npt
 
 from dropflow.simulation.cloud import Cloud
-from dropflow.simulation.optics import reach_um
 from dropflow.simulation.scenario import Scenario
 
 Column = npt.NDArray[np.float64]
@@ -52,20 +51,22 @@ def _character(droplet_id: npt.NDArray[np.int64]) -> Column:
 
 @numba.njit(cache=True, error_model="numpy")
 def _add_sources(source: Picture, x: Column, y: Column, r: Column, strength: Column, decay: float) -> None:
+    """The change of light grows evenly along the way through the droplet, from its right edge to its left one."""
     width, height = source.shape
     for i in range(x.size):
-        column = int(np.rint(x[i]))
-        if column < 0:
+        right, left = int(np.ceil(x[i] + 0.7 * r[i])), int(np.floor(x[i] - 0.7 * r[i]))
+        if right < 0 or left - width > 5.0 / (1.0 - decay):
             continue
-        fade = 1.0
-        if column >= width:
-            fade = decay ** (column - width + 1)
-            column = width - 1
         top, bottom = max(int(y[i] - 2.0 * r[i]), 0), min(int(y[i] + 2.0 * r[i]) + 1, height - 1)
         for row in range(top, bottom + 1):
             d = ((row - y[i]) / r[i]) ** 2
             profile = 1.3 * np.exp(-0.5 * d / 0.0484) - 0.55 * np.exp(-0.5 * d / 0.36)
-            source[column, row] += fade * strength[i] * profile
+            change = strength[i] * profile / (right - left + 1)
+            for column in range(left, right + 1):
+                if column >= width:
+                    source[width - 1, row] += change * decay ** (column - width + 1)
+                elif column >= 0:
+                    source[column, row] += change
 
 
 @numba.njit(cache=True, error_model="numpy")
