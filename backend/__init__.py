@@ -1,0 +1,1 @@
+"""The HTTP service: one folder a noun, in it endpoints -> service -> repository -> models."""

@@ -1,0 +1,104 @@
+"""The HTTP application: `uvicorn backend.app:create_app --factory`."""
+
+import asyncio
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+
+from fastapi import APIRouter, FastAPI
+from sqlalchemy.exc import ProgrammingError
+from starlette.types import Lifespan
+
+from backend.experiments.endpoints import router as experiments
+from backend.forms.endpoints import router as forms
+from backend.health.endpoints import router as health
+from backend.page import install as install_page
+from backend.people.service import ensure_local_people
+from backend.platform import problems
+from backend.platform.database import make_engine, make_sessions
+from backend.platform.dependencies import Platform
+from backend.platform.events import Listener
+from backend.platform.logging import set_up_logging
+from backend.platform.object_store import ObjectStore
+from backend.platform.openapi import document
+from backend.platform.origins import LocalOnly
+from backend.platform.queue import Queue
+from backend.platform.settings import Settings, environment_settings
+from backend.results.endpoints import router as results
+from backend.runs.endpoints import router as runs
+from backend.stacks.endpoints import router as stacks
+from backend.stacks.images import OpenStacks
+from dropflow.provenance import code_version
+
+API = "/api/v1"
+
+
+class NotMigrated(RuntimeError):
+    """The database is not there, or not of the form that this version needs."""
+
+
+def create_app(settings: Settings | None = None) -> FastAPI:
+    """Make the application; its parts are started when it is served."""
+    settings = settings or environment_settings()
+    set_up_logging(settings.log_level)
+    app = bare_app(max_body_bytes=settings.max_body_bytes, lifespan=_lifespan(settings))
+    if settings.auth == "local":
+        app.add_middleware(LocalOnly)
+    install_page(app, settings.frontend_dist)
+    return app
+
+
+def bare_app(*, max_body_bytes: int | None = None, lifespan: Lifespan[FastAPI] | None = None) -> FastAPI:
+    """The endpoints without a place to run: what the OpenAPI document is made from."""
+    app = FastAPI(
+        title="Dropflow",
+        version=code_version(),
+        description="Sizes, paths and the flow field of polydisperse sedimenting droplets, from image stacks.",
+        openapi_url=f"{API}/openapi.json",
+        docs_url=f"{API}/docs",
+        redoc_url=None,
+        generate_unique_id_function=lambda route: route.name,
+        max_body_size=max_body_bytes,
+        lifespan=lifespan,
+    )
+    api = APIRouter(prefix=API)
+    for router in (health, forms, experiments, stacks, runs, results):
+        api.include_router(router)
+    app.include_router(api)
+    problems.install(app)
+    app.openapi = lambda: document(app)  # type: ignore[method-assign]
+    return app
+
+
+def _lifespan(settings: Settings) -> Lifespan[FastAPI]:
+    @asynccontextmanager
+    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+        # The thread pool of synchronous endpoints has 40 threads; each may hold one connection.
+        engine = make_engine(settings.database_url, application="dropflow-api", pool_size=10, max_overflow=30)
+        platform = Platform(
+            settings=settings,
+            sessions=make_sessions(engine),
+            store=ObjectStore(settings.object_store_url),
+            queue=Queue(settings.redis_url),
+            listener=Listener(settings.database_url),
+        )
+        _greet(platform)
+        app.state.platform, app.state.open_stacks = platform, OpenStacks()
+        platform.listener.start(asyncio.get_running_loop())
+        try:
+            yield
+        finally:
+            platform.listener.stop()
+            app.state.open_stacks.close()
+            platform.queue.close()
+            engine.dispose()
+
+    return lifespan
+
+
+def _greet(platform: Platform) -> None:
+    """Find the database in the form that this version needs, and its first person in it."""
+    try:
+        with platform.sessions.begin() as session:
+            ensure_local_people(session)
+    except ProgrammingError:
+        raise NotMigrated("The database has not the tables of this version: run `alembic upgrade head`.") from None

@@ -1,0 +1,82 @@
+"""/experiments."""
+
+from http import HTTPStatus
+from typing import Annotated
+from uuid import UUID
+
+from fastapi import APIRouter, Depends
+from fastapi.concurrency import run_in_threadpool
+from fastapi.sse import EventSourceResponse
+
+from backend.experiments import service
+from backend.experiments.errors import NoSuchExperiment, RunActive
+from backend.experiments.schemas import ChangeExperiment, Experiment, Experiments, NewExperiment
+from backend.people.errors import NoSuchGroup
+from backend.platform.dependencies import PlatformDependency, SessionDependency, ViewerDependency
+from backend.platform.events import experiment_topic
+from backend.platform.live import Changes, follow
+from backend.platform.pages import Cursor, Limit
+from backend.platform.problems import InvalidRequest, responses
+
+router = APIRouter(prefix="/experiments", tags=["experiments"])
+
+
+@router.get("", responses=responses(InvalidRequest))
+def experiments_list(
+    session: SessionDependency, viewer: ViewerDependency, limit: Limit = 50, cursor: Cursor = None
+) -> Experiments:
+    """List experiments, newest first."""
+    return service.page(session, viewer, limit, cursor)
+
+
+@router.post("", status_code=HTTPStatus.CREATED, responses=responses(NoSuchGroup, InvalidRequest))
+def experiments_create(session: SessionDependency, viewer: ViewerDependency, new: NewExperiment) -> Experiment:
+    """Describe what was filmed. Its frames are uploaded next."""
+    return service.shown(session, service.create(session, viewer, new.experiment, new.group_id))
+
+
+@router.get("/{experiment_id}", responses=responses(NoSuchExperiment, InvalidRequest))
+def experiments_get(session: SessionDependency, viewer: ViewerDependency, experiment_id: UUID) -> Experiment:
+    """Look at one experiment."""
+    return service.shown(session, service.get(session, viewer, experiment_id))
+
+
+@router.patch("/{experiment_id}", responses=responses(NoSuchExperiment, RunActive, InvalidRequest))
+def experiments_update(
+    session: SessionDependency, viewer: ViewerDependency, experiment_id: UUID, change: ChangeExperiment
+) -> Experiment:
+    """Replace the description. Refused while a run goes on; finished runs keep the description they were made with."""
+    return service.shown(session, service.change(session, viewer, experiment_id, change.experiment))
+
+
+@router.delete(
+    "/{experiment_id}",
+    status_code=HTTPStatus.NO_CONTENT,
+    responses=responses(NoSuchExperiment, RunActive, InvalidRequest),
+)
+def experiments_delete(session: SessionDependency, viewer: ViewerDependency, experiment_id: UUID) -> None:
+    """Remove an experiment with its frames, runs and results."""
+    service.delete(session, viewer, experiment_id)
+
+
+async def _existing_experiment(platform: PlatformDependency, viewer: ViewerDependency, experiment_id: UUID) -> UUID:
+    """Answer 404 before a stream begins; no transaction stays open for it."""
+    await run_in_threadpool(service.look, platform, viewer, experiment_id)
+    return experiment_id
+
+
+@router.get(
+    "/{experiment_id}/events",
+    response_class=EventSourceResponse,
+    responses=responses(NoSuchExperiment, InvalidRequest),
+)
+async def experiments_events(
+    platform: PlatformDependency,
+    viewer: ViewerDependency,
+    experiment_id: Annotated[UUID, Depends(_existing_experiment)],
+) -> Changes:
+    """Follow an experiment: `changed` with the experiment as it is now, at once and after every change."""
+    async for event in follow(
+        platform.listener, experiment_topic(experiment_id), lambda: service.look(platform, viewer, experiment_id)
+    ):
+        yield event

@@ -1,0 +1,95 @@
+"""Experiments as the API shows and takes them."""
+
+from datetime import datetime
+from typing import Any
+from uuid import UUID
+
+from pydantic import BaseModel, ConfigDict
+from pydantic.config import JsonDict
+
+from backend.models.states import RunState, StackState
+from backend.people.schemas import Group
+from backend.platform.pages import Page
+from backend.platform.problems import Problem
+from backend.runs.schemas import Stage
+
+EXAMPLE_DOCUMENT: JsonDict = {
+    "name": "isobutoxyethanol, bottom phase",
+    "pixel_size_um": 0.625,
+    "frame_interval_s": 1.0,
+    "droplets": "bright",
+    "up": [0, -1],
+    "phase": "bottom",
+    "material": {"delta_density_kg_m3": -30.0, "viscosity_pa_s": 0.0014},
+}
+
+
+class Stack(BaseModel):
+    """The frames of an experiment."""
+
+    model_config = ConfigDict(from_attributes=True)
+
+    state: StackState
+    n_files: int
+    size_bytes: int
+    n_frames: int | None
+    rows: int | None
+    columns: int | None
+    dtype: str | None
+    duration_s: float | None
+    checksum: str | None
+    """Of the frames' content. Give it as `v` to a frame's address and the frame may be kept for ever."""
+    done_frames: int | None
+    """Frames read so far while `indexing`."""
+    problem: Problem | None
+    warnings: list[str]
+
+
+class RunSummary(BaseModel):
+    """A run in a list."""
+
+    id: UUID
+    number: int
+    state: RunState
+    created_at: datetime
+    finished_at: datetime | None
+    stages: list[Stage]
+    n_droplets: int | None
+    """Found in all frames, once the run is completed."""
+
+
+class Experiment(BaseModel):
+    """What was filmed, its frames and its latest run."""
+
+    id: UUID
+    group: Group
+    experiment: dict[str, Any]
+    """The document, as `GET /schemas/experiment` describes it."""
+    created_at: datetime
+    updated_at: datetime
+    stack: Stack
+    n_runs: int
+    latest_run: RunSummary | None
+
+
+class Experiments(Page[Experiment]):
+    """Some experiments."""
+
+
+class NewExperiment(BaseModel):
+    """What a new experiment needs."""
+
+    model_config = ConfigDict(extra="forbid", json_schema_extra={"examples": [{"experiment": EXAMPLE_DOCUMENT}]})
+
+    experiment: dict[str, Any]
+    """The document, as `GET /schemas/experiment` describes it."""
+    group_id: UUID | None = None
+    """The group it belongs to; without it, your first."""
+
+
+class ChangeExperiment(BaseModel):
+    """The whole new document."""
+
+    model_config = ConfigDict(extra="forbid", json_schema_extra={"examples": [{"experiment": EXAMPLE_DOCUMENT}]})
+
+    experiment: dict[str, Any]

@@ -1,0 +1,186 @@
+"""What can be done with experiments."""
+
+from collections.abc import Mapping, Sequence
+from datetime import UTC, datetime
+from typing import Any
+from uuid import UUID
+
+from sqlalchemy.orm import Session
+
+from backend.experiments import repository, schemas
+from backend.experiments.errors import DescribesFiles, NoSuchExperiment, RunActive, StackIndexing
+from backend.models import DoomedObject, Experiment, Run, Stack
+from backend.models.states import StackState
+from backend.people.schemas import Group
+from backend.people.service import group_for_new
+from backend.platform.dependencies import Platform
+from backend.platform.events import announce, experiment_topic
+from backend.platform.object_store import experiment_prefix
+from backend.platform.pages import decode_cursor, encode_cursor
+from backend.platform.problems import InvalidRequest, Problem
+from backend.platform.texts import unstorable
+from backend.platform.visibility import Viewer
+from backend.runs import repository as runs_repository
+from backend.runs.progress import shown_stages
+from backend.runs.repository import Done
+from dropflow.errors import ExperimentError, FieldProblem
+from dropflow.experiment import Experiment as Document
+from dropflow.experiment import parse_experiment
+from dropflow.physics.material import resolve
+
+_READ_WITH = ("flat_field", "timestamps", "temperature_log", "grey_from")
+
+
+def get(session: Session, viewer: Viewer, experiment_id: UUID) -> Experiment:
+    """One experiment."""
+    return _there(repository.find(session, viewer, experiment_id))
+
+
+def get_locked(session: Session, viewer: Viewer, experiment_id: UUID) -> Experiment:
+    """One experiment that nobody else changes until this transaction ends."""
+    return _there(repository.lock(session, viewer, experiment_id))
+
+
+def page(session: Session, viewer: Viewer, limit: int, cursor: str | None) -> schemas.Experiments:
+    """Experiments, newest first."""
+    found = repository.newest(session, viewer, limit + 1, _after(cursor))
+    shown = found[:limit]
+    next_cursor = encode_cursor(shown[-1].created_at, shown[-1].id) if len(found) > limit else None
+    return schemas.Experiments(items=shown_as(session, shown), next_cursor=next_cursor)
+
+
+def create(session: Session, viewer: Viewer, document: dict[str, Any], group_id: UUID | None) -> Experiment:
+    """Make an experiment with an empty stack."""
+    parsed = read_document(document)
+    group = group_for_new(session, viewer, group_id)
+    experiment = Experiment(group=group, document=parsed.model_dump(mode="json"), stack=Stack())
+    session.add(experiment)
+    session.flush()
+    session.refresh(experiment)
+    return experiment
+
+
+def change(session: Session, viewer: Viewer, experiment_id: UUID, document: dict[str, Any]) -> Experiment:
+    """Replace the document, unless something is being made from it."""
+    parsed = read_document(document)
+    experiment = get_locked(session, viewer, experiment_id)
+    if experiment.stack.state == StackState.INDEXING:
+        raise StackIndexing
+    _refuse_during_run(session, experiment, "changed")
+    new = parsed.model_dump(mode="json")
+    if experiment.stack.state == StackState.READY:
+        changed = [field for field in _READ_WITH if new[field] != experiment.document.get(field)]
+        if changed:
+            raise DescribesFiles(changed)
+        if parsed.frame_interval_s is not None and experiment.stack.n_frames is not None:
+            experiment.stack.duration_s = (experiment.stack.n_frames - 1) * parsed.frame_interval_s
+    experiment.document = new
+    announce(session, experiment_topic(experiment.id))
+    session.flush()
+    session.refresh(experiment)
+    return experiment
+
+
+def delete(session: Session, viewer: Viewer, experiment_id: UUID) -> None:
+    """Remove an experiment with its frames, runs and results."""
+    experiment = get_locked(session, viewer, experiment_id)
+    _refuse_during_run(session, experiment, "deleted")
+    session.add(DoomedObject(key=experiment_prefix(experiment.id)))
+    session.delete(experiment)
+    announce(session, experiment_topic(experiment.id))
+
+
+def read_document(content: dict[str, Any]) -> Document:
+    """Validate what was sent, down to the name of the material."""
+    problems = list(unstorable(content))
+    if problems:
+        raise ExperimentError("Please correct:", fields=problems)
+    document = parse_experiment(content)
+    resolve(document)
+    return document
+
+
+def shown_as(session: Session, experiments: Sequence[Experiment]) -> list[schemas.Experiment]:
+    """Experiments as the API shows them; three queries for any number."""
+    ids = [experiment.id for experiment in experiments]
+    files = repository.files_of(session, ids)
+    n_runs = runs_repository.n_runs(session, ids)
+    latest = runs_repository.latest(session, ids)
+    done = runs_repository.done_frames(session, [run.id for run in latest.values()])
+    indexed = repository.indexed_frames(session, ids)
+    return [
+        schemas.Experiment(
+            id=experiment.id,
+            group=Group.model_validate(experiment.group),
+            experiment=experiment.document,
+            created_at=experiment.created_at,
+            updated_at=experiment.updated_at,
+            stack=_shown_stack(experiment.stack, files.get(experiment.id, (0, 0)), indexed.get(experiment.id)),
+            n_runs=n_runs.get(experiment.id, 0),
+            latest_run=_shown_run(latest[experiment.id], done) if experiment.id in latest else None,
+        )
+        for experiment in experiments
+    ]
+
+
+def shown(session: Session, experiment: Experiment) -> schemas.Experiment:
+    """One experiment as the API shows it."""
+    return shown_as(session, [experiment])[0]
+
+
+def look(platform: Platform, viewer: Viewer, experiment_id: UUID) -> schemas.Experiment:
+    """One experiment, looked up in a transaction of its own."""
+    with platform.sessions.begin() as session:
+        return shown(session, get(session, viewer, experiment_id))
+
+
+def _shown_stack(stack: Stack, files: tuple[int, int], done_frames: int | None) -> schemas.Stack:
+    return schemas.Stack(
+        state=stack.state,
+        n_files=files[0],
+        size_bytes=files[1],
+        n_frames=stack.n_frames,
+        rows=stack.rows,
+        columns=stack.columns,
+        dtype=stack.dtype,
+        duration_s=stack.duration_s,
+        checksum=stack.checksum,
+        done_frames=done_frames,
+        problem=Problem.model_validate(stack.problem) if stack.problem else None,
+        warnings=stack.warnings,
+    )
+
+
+def _shown_run(run: Run, done: Mapping[tuple[UUID, str], Done]) -> schemas.RunSummary:
+    return schemas.RunSummary(
+        id=run.id,
+        number=run.number,
+        state=run.state,
+        created_at=run.created_at,
+        finished_at=run.finished_at,
+        stages=shown_stages(run, done, datetime.now(UTC)),
+        n_droplets=(run.summary or {}).get("n_droplets"),
+    )
+
+
+def _there(experiment: Experiment | None) -> Experiment:
+    if experiment is None:
+        raise NoSuchExperiment
+    return experiment
+
+
+def _refuse_during_run(session: Session, experiment: Experiment, doing: str) -> None:
+    if repository.has_active_run(session, experiment.id):
+        raise RunActive(doing)
+
+
+def _after(cursor: str | None) -> tuple[datetime, UUID] | None:
+    position = decode_cursor(cursor, 2)
+    if position is None:
+        return None
+    try:
+        return datetime.fromisoformat(position[0]), UUID(position[1])
+    except (TypeError, ValueError, AttributeError):
+        raise InvalidRequest(
+            "This is no cursor of this list.", fields=[FieldProblem("cursor", "is not valid")]
+        ) from None

@@ -1,0 +1,22 @@
+"""The tables. Postgres is the truth about runs; everything else may be emptied at any moment."""
+
+from backend.models.base import Base
+from backend.models.experiments import Experiment, File, Stack
+from backend.models.people import Group, Membership, Person
+from backend.models.runs import DoomedObject, Histogram, Product, Run, Shard, Stage
+
+__all__ = [
+    "Base",
+    "DoomedObject",
+    "Experiment",
+    "File",
+    "Group",
+    "Histogram",
+    "Membership",
+    "Person",
+    "Product",
+    "Run",
+    "Shard",
+    "Stack",
+    "Stage",
+]

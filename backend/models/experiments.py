@@ -1,0 +1,62 @@
+"""Experiments, their stacks and the files these came as."""
+
+from datetime import datetime
+from uuid import UUID
+
+from sqlalchemy import BigInteger, ForeignKey, String, UniqueConstraint, func
+from sqlalchemy.orm import Mapped, mapped_column, relationship
+
+from backend.models.base import Base, Dated, Identified, Json, one_of
+from backend.models.people import Group
+from backend.models.states import StackState
+
+
+class Experiment(Identified, Dated, Base):
+    """What was filmed. `document` is the content of experiment.yaml, validated by the library."""
+
+    __tablename__ = "experiment"
+
+    group_id: Mapped[UUID] = mapped_column(ForeignKey("group_.id"), index=True)
+    document: Mapped[Json]
+    updated_at: Mapped[datetime] = mapped_column(server_default=func.now(), onupdate=func.now())
+
+    group: Mapped[Group] = relationship(lazy="joined", innerjoin=True)
+    stack: Mapped["Stack"] = relationship(
+        lazy="joined", innerjoin=True, back_populates="experiment", passive_deletes=True, cascade="all"
+    )
+
+
+class Stack(Base):
+    """The frames of an experiment: empty at first, then what the index found."""
+
+    __tablename__ = "stack"
+
+    experiment_id: Mapped[UUID] = mapped_column(ForeignKey("experiment.id", ondelete="CASCADE"), primary_key=True)
+    state: Mapped[StackState] = mapped_column(one_of(StackState), default=StackState.EMPTY)
+    n_frames: Mapped[int | None]
+    rows: Mapped[int | None]
+    columns: Mapped[int | None]
+    dtype: Mapped[str | None] = mapped_column(String(20))
+    duration_s: Mapped[float | None]
+    checksum: Mapped[str | None] = mapped_column(String(64))
+    """Of the frames' content: changes when any frame does."""
+    index_key: Mapped[str | None] = mapped_column(String(300))
+    """Object with times and checksums of all frames."""
+    problem: Mapped[Json | None]
+    warnings: Mapped[list[str]] = mapped_column(default=list)
+
+    experiment: Mapped[Experiment] = relationship(back_populates="stack")
+
+
+class File(Identified, Dated, Base):
+    """One uploaded file. Its name is what people called it; where it is kept, we decide."""
+
+    __tablename__ = "file"
+    __table_args__ = (UniqueConstraint("experiment_id", "role", "name"),)
+
+    experiment_id: Mapped[UUID] = mapped_column(ForeignKey("experiment.id", ondelete="CASCADE"))
+    role: Mapped[str] = mapped_column(String(20))
+    name: Mapped[str] = mapped_column(String(1000))
+    size_bytes: Mapped[int] = mapped_column(BigInteger)
+    sha256: Mapped[str] = mapped_column(String(64))
+    store_key: Mapped[str] = mapped_column(String(300))

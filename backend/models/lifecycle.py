@@ -1,0 +1,69 @@
+"""What one change of a run's state brings with it for its stages and shards. Whoever calls holds the run's lock."""
+
+from sqlalchemy import func, select, update
+from sqlalchemy.orm import Session
+
+from backend.models.base import Json
+from backend.models.runs import Run, Shard, Stage
+from backend.models.states import (
+    OPEN_SHARD_STATES,
+    RUN_RULES,
+    SHARD_RULES,
+    STAGE_RULES,
+    RunState,
+    ShardState,
+    StageState,
+    is_terminal,
+    rule,
+)
+
+
+def end_run(session: Session, run: Run, event: str, *, problem: Json | None = None) -> None:
+    """Complete, fail or cancel a run; what of it is not done yet will not be. A run that ended stays as it is."""
+    found = rule(RUN_RULES, event)
+    if run.state not in found.sources:
+        return
+    run.state = found.target
+    run.problem = problem
+    run.finished_at = func.now()
+    cancel = rule(SHARD_RULES, "cancel")
+    session.execute(
+        update(Shard)
+        .where(Shard.run_id == run.id, Shard.state.in_(cancel.sources))
+        .values(state=cancel.target, lease_until=None, finished_at=func.now())
+        .execution_options(synchronize_session=False)
+    )
+    end_open_stages(session, run, event)
+
+
+def end_open_stages(session: Session, run: Run, event: str) -> None:
+    """The stage at work ends as its run does; those that never began are cancelled."""
+    for stage in session.scalars(select(Stage).where(Stage.run_id == run.id)):
+        if is_terminal(STAGE_RULES, stage.state):
+            continue
+        ending = event if stage.state == StageState.RUNNING else "cancel"
+        stage.state = rule(STAGE_RULES, ending).target
+        stage.finished_at = func.now()
+
+
+def request_cancel(session: Session, run: Run) -> None:
+    """Take back what waits; what a worker holds, it lets go when it next renews its lease."""
+    run.cancel_requested_at = func.now()
+    session.execute(
+        update(Shard)
+        .where(Shard.run_id == run.id, Shard.state == ShardState.QUEUED)
+        .values(state=rule(SHARD_RULES, "cancel").target, finished_at=func.now())
+        .execution_options(synchronize_session=False)
+    )
+    settle_cancel(session, run)
+
+
+def settle_cancel(session: Session, run: Run) -> bool:
+    """Cancel a run for which that was asked, once nobody works on it any more."""
+    if run.cancel_requested_at is None or run.state not in (RunState.QUEUED, RunState.RUNNING):
+        return False
+    is_open = select(Shard.id).where(Shard.run_id == run.id, Shard.state.in_(OPEN_SHARD_STATES)).limit(1)
+    if session.scalar(is_open) is not None:
+        return False
+    end_run(session, run, "cancel")
+    return True

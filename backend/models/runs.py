@@ -1,0 +1,120 @@
+"""Runs, their stages, the shards workers claim, and the products these leave."""
+
+from datetime import datetime
+from uuid import UUID
+
+from sqlalchemy import ForeignKey, Index, LargeBinary, String, UniqueConstraint
+from sqlalchemy.orm import Mapped, mapped_column, relationship
+
+from backend.models.base import Base, Dated, Identified, Json, one_of
+from backend.models.experiments import Experiment
+from backend.models.states import RunState, ShardState, StageState
+
+
+class Run(Identified, Dated, Base):
+    """One analysis of one experiment with one set of parameters."""
+
+    __tablename__ = "run"
+    __table_args__ = (UniqueConstraint("experiment_id", "number"),)
+
+    experiment_id: Mapped[UUID] = mapped_column(ForeignKey("experiment.id", ondelete="CASCADE"))
+    number: Mapped[int]
+    state: Mapped[RunState] = mapped_column(one_of(RunState), default=RunState.QUEUED)
+    parameters: Mapped[Json]
+    document: Mapped[Json]
+    """The experiment as it was described when the run began."""
+    version: Mapped[str] = mapped_column(String(50))
+    problem: Mapped[Json | None]
+    summary: Mapped[Json | None]
+    warnings: Mapped[list[str]] = mapped_column(default=list)
+    cancel_requested_at: Mapped[datetime | None]
+    started_at: Mapped[datetime | None]
+    finished_at: Mapped[datetime | None]
+
+    experiment: Mapped[Experiment] = relationship()
+    stages: Mapped[list["Stage"]] = relationship(
+        order_by="Stage.position", lazy="selectin", cascade="all", passive_deletes=True
+    )
+
+
+class Stage(Base):
+    """One of the steps of a run, as people see it."""
+
+    __tablename__ = "stage"
+
+    run_id: Mapped[UUID] = mapped_column(ForeignKey("run.id", ondelete="CASCADE"), primary_key=True)
+    name: Mapped[str] = mapped_column(String(20), primary_key=True)
+    position: Mapped[int]
+    state: Mapped[StageState] = mapped_column(one_of(StageState), default=StageState.WAITING)
+    total_frames: Mapped[int]
+    started_at: Mapped[datetime | None]
+    finished_at: Mapped[datetime | None]
+
+
+class Product(Identified, Dated, Base):
+    """What one piece of work made, addressed by what went in; runs whose input is the same share it."""
+
+    __tablename__ = "product"
+    __table_args__ = (Index(None, "experiment_id", "input_key"),)
+
+    experiment_id: Mapped[UUID] = mapped_column(ForeignKey("experiment.id", ondelete="CASCADE"))
+    task: Mapped[str] = mapped_column(String(20))
+    input_key: Mapped[str] = mapped_column(String(64))
+    prefix: Mapped[str] = mapped_column(String(300))
+    """Where its objects are."""
+    files: Mapped[list[Json]]
+    """`name`, `size_bytes` and `media_type` of each that people can fetch."""
+
+
+class Histogram(Base):
+    """Droplet sizes by frame of one product, packed; dashboards merge and coarsen them."""
+
+    __tablename__ = "histogram"
+
+    product_id: Mapped[UUID] = mapped_column(ForeignKey("product.id", ondelete="CASCADE"), primary_key=True)
+    content: Mapped[bytes] = mapped_column(LargeBinary)
+
+
+class Shard(Identified, Dated, Base):
+    """One piece of work, which one worker at a time holds by a lease; the fence tells holders apart.
+
+    The ingest of a stack has no run. Frames are `start_frame` <= frame < `stop_frame`.
+    """
+
+    __tablename__ = "shard"
+    __table_args__ = (
+        UniqueConstraint("run_id", "task", "start_frame"),
+        Index(None, "experiment_id"),
+        Index("ix_shard_open", "state", "lease_until", postgresql_where="state IN ('queued', 'running')"),
+    )
+
+    experiment_id: Mapped[UUID] = mapped_column(ForeignKey("experiment.id", ondelete="CASCADE"))
+    run_id: Mapped[UUID | None] = mapped_column(ForeignKey("run.id", ondelete="CASCADE"))
+    task: Mapped[str] = mapped_column(String(20))
+    start_frame: Mapped[int] = mapped_column(default=0)
+    stop_frame: Mapped[int] = mapped_column(default=0)
+    state: Mapped[ShardState] = mapped_column(one_of(ShardState), default=ShardState.QUEUED)
+    done_frames: Mapped[int] = mapped_column(default=0)
+    input_key: Mapped[str | None] = mapped_column(String(64))
+    product_id: Mapped[UUID | None] = mapped_column(ForeignKey("product.id"), index=True)
+    is_reused: Mapped[bool] = mapped_column(default=False)
+    """Its product was there already, made for another run."""
+    fence: Mapped[int] = mapped_column(default=0)
+    attempts: Mapped[int] = mapped_column(default=0)
+    holder: Mapped[str | None] = mapped_column(String(200))
+    lease_until: Mapped[datetime | None]
+    sent_at: Mapped[datetime | None]
+    """When a message about it last went out."""
+    started_at: Mapped[datetime | None]
+    finished_at: Mapped[datetime | None]
+
+
+class DoomedObject(Dated, Base):
+    """A key, or a prefix that ends in ``/``, to be removed from the object store.
+
+    It is written in the transaction that takes the last row away, so that no crash between both leaves bytes behind.
+    """
+
+    __tablename__ = "doomed_object"
+
+    key: Mapped[str] = mapped_column(String(300), primary_key=True)

@@ -1,0 +1,69 @@
+"""Messages to workers: each says only "look at shard N". A lost one is sent again, a double one does no harm."""
+
+from uuid import UUID
+
+import structlog
+from celery import Celery
+from kombu.exceptions import OperationalError
+from redis.exceptions import RedisError
+
+TASK_NAME = "worker.look_at_shard"
+QUEUE_OF_TASK = {
+    "ingest": "interactive",
+    "prepare": "interactive",
+    "detect": "shards",
+    "track": "sequential",
+    "analyse": "sequential",
+}
+"""Somebody waits for what is interactive; what is sequential takes long on one core."""
+
+QUEUES = tuple(dict.fromkeys(QUEUE_OF_TASK.values()))
+log = structlog.get_logger()
+
+
+def make_celery(redis_url: str) -> Celery:
+    """Celery as a carrier of messages and nothing else: no results, no chords, no acknowledgement to wait for."""
+    app = Celery("dropflow", broker=redis_url)
+    app.conf.update(
+        task_ignore_result=True,
+        task_acks_late=False,
+        worker_prefetch_multiplier=1,
+        task_default_queue="shards",
+        task_create_missing_queues=True,
+        task_serializer="json",
+        accept_content=["json"],
+        broker_connection_retry_on_startup=True,
+        broker_transport_options={
+            "visibility_timeout": 3600,
+            "unacked_restore_interval": 10,
+            "socket_connect_timeout": 2,
+            "socket_timeout": 5,
+        },
+        worker_hijack_root_logger=False,
+        worker_soft_shutdown_timeout=2.0,
+        worker_enable_soft_shutdown_on_idle=False,
+    )
+    return app
+
+
+class Queue:
+    """Sends messages. That it could not is no error: the reconciler finds what nobody looks at."""
+
+    def __init__(self, redis_url: str, celery: Celery | None = None) -> None:
+        self._celery = celery or make_celery(redis_url)
+
+    def send(self, shard_id: UUID, task: str) -> None:
+        """Ask for a worker to look at a shard."""
+        try:
+            self._celery.send_task(TASK_NAME, [str(shard_id)], queue=QUEUE_OF_TASK[task], retry=False)
+        except (OperationalError, RedisError, OSError) as problem:
+            log.warning("message not sent", shard=str(shard_id), reason=str(problem))
+
+    def n_waiting(self, queue: str) -> int:
+        """Messages that no worker has taken yet."""
+        with self._celery.connection_for_read() as connection:
+            return int(connection.default_channel.client.llen(queue))
+
+    def close(self) -> None:
+        """Let go of the broker."""
+        self._celery.close()

@@ -1,0 +1,111 @@
+"""What differs between one machine, a lab server and a cluster; read from the environment, refused where nonsense."""
+
+import tempfile
+from functools import cache
+from ipaddress import ip_address
+from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import Field, field_validator, model_validator
+from pydantic_settings import BaseSettings, SettingsConfigDict
+from sqlalchemy import make_url
+from sqlalchemy.exc import ArgumentError
+
+CHECKOUT = Path(__file__).resolve().parents[2]
+GIGABYTE = 1_000_000_000
+
+
+class Settings(BaseSettings):
+    """Each field is an environment variable of the same name in capitals."""
+
+    model_config = SettingsConfigDict(frozen=True, extra="ignore", use_attribute_docstrings=True)
+
+    database_url: str
+    """`postgresql://user:password@host:port/name`."""
+    redis_url: str
+    """`redis://host:port/0` of a Redis or Valkey server, which carries nothing that may not be lost."""
+    object_store_url: str
+    """`file:///some/folder`, or `s3://bucket/prefix` (then AWS_ENDPOINT_URL, AWS_ACCESS_KEY_ID, ... as usual)."""
+    frontend_dist: Path = CHECKOUT / "frontend" / "dist"
+    """The built page."""
+    work_dir: Path = Path(tempfile.gettempdir()) / "dropflow-work"
+    """Where workers keep what they are making until it is in the object store."""
+
+    auth: Literal["local"] = "local"
+    """`local`: whoever reaches the service is its one person, so it listens on loopback only."""
+    host: str = "127.0.0.1"
+    """Address to listen on."""
+    port: Annotated[int, Field(ge=0, le=65535)] = 8000
+    """Port to listen on."""
+
+    max_file_bytes: Annotated[int, Field(ge=1)] = 100 * GIGABYTE
+    """Largest file that is taken."""
+    max_stack_bytes: Annotated[int, Field(ge=1)] = 200 * GIGABYTE
+    """Largest stack that is taken, all files together."""
+    max_body_bytes: Annotated[int, Field(ge=1024)] = 1_000_000
+    """Largest request that is no file."""
+
+    lease_s: Annotated[float, Field(ge=1, le=3600)] = 60.0
+    """How long a worker may be silent before its work goes to another; longer than any one frame takes."""
+    reconcile_every_s: Annotated[float, Field(ge=0.1, le=60)] = 5.0
+    """How often lost messages and expired leases are looked for."""
+    log_level: Literal["DEBUG", "INFO", "WARNING", "ERROR"] = "INFO"
+    """Least severe message that is written."""
+
+    @field_validator("database_url")
+    @classmethod
+    def _postgres(cls, url: str) -> str:
+        return with_driver(url)
+
+    @field_validator("redis_url")
+    @classmethod
+    def _redis(cls, url: str) -> str:
+        if not url.startswith(("redis://", "rediss://", "redis+socket://")):
+            raise ValueError("must be a redis:// or rediss:// URL")
+        return url
+
+    @field_validator("object_store_url")
+    @classmethod
+    def _store(cls, url: str) -> str:
+        if not url.startswith(("file:///", "s3://")):
+            raise ValueError("must be file:///an/absolute/folder or s3://bucket/prefix")
+        return url
+
+    @model_validator(mode="after")
+    def _sizes_fit(self) -> "Settings":
+        if self.max_file_bytes > self.max_stack_bytes:
+            raise ValueError("MAX_FILE_BYTES must not be larger than MAX_STACK_BYTES")
+        return self
+
+    @model_validator(mode="after")
+    def _open_to_this_machine_only(self) -> "Settings":
+        if self.auth == "local" and not is_loopback(self.host):
+            raise ValueError("without accounts (AUTH=local) HOST must be a loopback address such as 127.0.0.1")
+        return self
+
+
+def with_driver(url: str) -> str:
+    """A Postgres URL as SQLAlchemy wants it; anything else is refused."""
+    try:
+        parsed = make_url(url)
+    except ArgumentError:
+        raise ValueError("must be a URL such as postgresql://user:password@127.0.0.1:5432/dropflow") from None
+    if parsed.get_backend_name() not in {"postgresql", "postgres"}:
+        raise ValueError(f"must be a postgresql:// URL, not {parsed.drivername}://")
+    return parsed.set(drivername="postgresql+psycopg").render_as_string(hide_password=False)
+
+
+def is_loopback(host: str) -> bool:
+    """Whether only this machine can reach `host`."""
+    if host == "localhost":
+        return True
+    try:
+        return ip_address(host.strip("[]")).is_loopback
+    except ValueError:
+        return False
+
+
+@cache
+def environment_settings() -> Settings:
+    """The settings of this process."""
+    return Settings()

@@ -1,0 +1,24 @@
+"""Text from outside: what Postgres and UTF-8 cannot hold is refused with the name of the field."""
+
+from collections.abc import Iterator
+from typing import Any
+
+from dropflow.errors import FieldProblem
+
+
+def unstorable(document: Any, path: str = "") -> Iterator[FieldProblem]:
+    """Every text (or name of a field) in `document` that holds NUL or half of a character."""
+    if isinstance(document, str) and not is_storable(document):
+        yield FieldProblem(path, "holds a character that is not text (NUL or an unpaired surrogate)")
+    elif isinstance(document, dict):
+        for name, value in document.items():
+            yield from unstorable(name, path or "(name of a field)")
+            yield from unstorable(value, f"{path}.{name}".lstrip("."))
+    elif isinstance(document, list | tuple):
+        for index, value in enumerate(document):
+            yield from unstorable(value, f"{path}.{index}".lstrip("."))
+
+
+def is_storable(text: str) -> bool:
+    """Whether `text` can be kept as it is."""
+    return "\0" not in text and not any("\ud800" <= character <= "\udfff" for character in text)

@@ -1,0 +1,40 @@
+"""Queries about what runs made."""
+
+from collections.abc import Sequence
+from uuid import UUID
+
+from sqlalchemy import Select, select
+from sqlalchemy.orm import Session
+
+from backend.models import Histogram, Product, Run, Shard
+from backend.platform.visibility import Viewer, visible_runs
+
+
+def _products(viewer: Viewer, run_id: UUID) -> Select[Product]:
+    seen = visible_runs(viewer).where(Run.id == run_id).with_only_columns(Run.id)
+    return select(Product).join(Shard, Shard.product_id == Product.id).where(Shard.run_id.in_(seen))
+
+
+def products(session: Session, viewer: Viewer, run_id: UUID) -> Sequence[Product]:
+    """What a run has made so far."""
+    return session.scalars(_products(viewer, run_id).order_by(Shard.task, Shard.start_frame)).all()
+
+
+def product(session: Session, viewer: Viewer, run_id: UUID, task: str, frame: int | None = None) -> Product | None:
+    """What a task of a run made, of the shard that holds `frame`."""
+    query = _products(viewer, run_id).where(Shard.task == task)
+    if frame is not None:
+        query = query.where(Shard.start_frame <= frame, Shard.stop_frame > frame)
+    return session.scalar(query.limit(1))
+
+
+def histograms(session: Session, viewer: Viewer, run_id: UUID, task: str) -> list[bytes]:
+    """The packed histograms of a task, as far as there are any."""
+    query = (
+        _products(viewer, run_id)
+        .with_only_columns(Histogram.content)
+        .join(Histogram, Histogram.product_id == Product.id)
+        .where(Shard.task == task)
+        .order_by(Shard.start_frame)
+    )
+    return list(session.scalars(query))

@@ -1,0 +1,122 @@
+"""What can be asked of results, while a run goes and after."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from uuid import UUID
+
+from sqlalchemy.orm import Session
+
+from backend.models import Product, Run
+from backend.platform.object_store import ObjectStore
+from backend.platform.visibility import Viewer
+from backend.results import figures, frames, repository
+from backend.results.errors import FrameMissing, NoSuchResult, NotYet
+from backend.results.schemas import FigureName, FrameDroplets, FrameFlow, ResultFile, Which
+from backend.results.zip_stream import zip_stream
+from backend.runs.service import get as get_run
+from dropflow.frames import Frame
+
+ZIPPED_FOLDER = ".zarr.zip"
+
+
+@dataclass(frozen=True)
+class Asker:
+    """Who asks for results of which run."""
+
+    session: Session
+    viewer: Viewer
+    run_id: UUID
+
+    def run(self) -> Run:
+        """The run."""
+        return get_run(self.session, self.viewer, self.run_id)
+
+    def product(self, task: str, frame: int | None = None) -> Product:
+        """What a task made, if it has."""
+        self.run()
+        found = repository.product(self.session, self.viewer, self.run_id, task, frame)
+        if found is None:
+            raise NotYet
+        return found
+
+    def histograms(self, *tasks: str) -> list[bytes]:
+        """Those of the first of `tasks` that has any."""
+        self.run()
+        for task in tasks:
+            if found := repository.histograms(self.session, self.viewer, self.run_id, task):
+                return found
+        raise NotYet
+
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns of the frames."""
+        stack = self.run().experiment.stack
+        if stack.rows is None or stack.columns is None:
+            raise NotYet
+        return stack.rows, stack.columns
+
+
+def droplets(asker: Asker, store: ObjectStore, frame: int, which: Which) -> FrameDroplets:
+    """The droplets of one frame."""
+    if which is Which.DETECTED:
+        return frames.detected(store, asker.product("detect", frame), frame)
+    return frames.tracked(store, asker.product("track", frame), frame)
+
+
+def flow(asker: Asker, store: ObjectStore, frame: int) -> FrameFlow:
+    """The flow between a frame and the next."""
+    return frames.flow(store, asker.product("track", frame), frame)
+
+
+def film_figure(asker: Asker, name: FigureName) -> str:
+    """A figure of the whole film, as Plotly JSON."""
+    run, shape = asker.run(), asker.shape()
+    if name is FigureName.SIZE_DISTRIBUTION_BEFORE:
+        return figures.as_json(figures.size_distribution(run, shape, "detect", asker.histograms("detect")))
+    if name is FigureName.SIZE_DISTRIBUTION_AFTER:
+        return figures.as_json(figures.size_distribution(run, shape, "track", asker.histograms("track")))
+    if name is FigureName.MOMENTS:
+        return figures.as_json(figures.moments(run, shape, asker.histograms("track", "detect")))
+    if name is FigureName.FLOW_MOMENTS:
+        raise NotYet
+    raise FrameMissing
+
+
+def flow_figure(asker: Asker, store: ObjectStore, image: Frame, frame: int) -> str:
+    """The flow field over its frame, as Plotly JSON."""
+    product = asker.product("track", frame)
+    found, seen = frames.flow(store, product, frame), frames.tracked(store, product, frame)
+    return figures.as_json(figures.flow_field(asker.run(), found, seen, image))
+
+
+def files(asker: Asker) -> list[ResultFile]:
+    """What there is to download so far."""
+    asker.run()
+    found = repository.products(asker.session, asker.viewer, asker.run_id)
+    return [ResultFile.model_validate(file) for product in found for file in product.files if product.task != "detect"]
+
+
+def download(asker: Asker, store: ObjectStore, name: str) -> tuple[ResultFile, Iterator[bytes]]:
+    """A file, and its bytes piece by piece."""
+    asker.run()
+    for product in repository.products(asker.session, asker.viewer, asker.run_id):
+        for file in product.files:
+            if file["name"] == name and product.task != "detect":
+                return ResultFile.model_validate(file), _bytes_of(store, product.prefix, name)
+    raise NotYet if name in RESULT_NAMES else NoSuchResult
+
+
+RESULT_NAMES = (
+    "droplets.parquet",
+    "trajectories.parquet",
+    "rejected_trajectories.parquet",
+    "flow.zarr.zip",
+    "summary.json",
+)
+
+
+def _bytes_of(store: ObjectStore, prefix: str, name: str) -> Iterator[bytes]:
+    if not name.endswith(ZIPPED_FOLDER):
+        return store.stream(prefix + name)
+    folder = prefix + name.removesuffix(".zip") + "/"
+    keys = [key for key, _ in store.list(folder)]
+    return zip_stream((key.removeprefix(prefix), store.read(key)) for key in keys)

@@ -1,0 +1,97 @@
+"""/experiments/{id}/runs and /runs."""
+
+from http import HTTPStatus
+from typing import Annotated
+from uuid import UUID
+
+from fastapi import APIRouter, Depends
+from fastapi.concurrency import run_in_threadpool
+from fastapi.sse import EventSourceResponse
+
+from backend.experiments.errors import NoSuchExperiment
+from backend.models.states import RUN_RULES, is_terminal
+from backend.platform.dependencies import PlatformDependency, SessionDependency, ViewerDependency
+from backend.platform.events import run_topic
+from backend.platform.live import Changes, follow
+from backend.platform.pages import Cursor, Limit
+from backend.platform.problems import InvalidRequest, responses
+from backend.runs import service
+from backend.runs.errors import NoSuchRun, RunActive, RunFinished, RunNotFailed
+from backend.runs.schemas import NewRun, Run, Runs
+from backend.stacks.errors import StackNotReady
+
+router = APIRouter(tags=["runs"])
+
+
+@router.get("/experiments/{experiment_id}/runs", responses=responses(NoSuchExperiment, InvalidRequest))
+def runs_list(
+    session: SessionDependency, viewer: ViewerDependency, experiment_id: UUID, limit: Limit = 50, cursor: Cursor = None
+) -> Runs:
+    """List the runs of an experiment, newest first."""
+    return service.page(session, viewer, experiment_id, limit, cursor)
+
+
+@router.post(
+    "/experiments/{experiment_id}/runs",
+    status_code=HTTPStatus.ACCEPTED,
+    responses=responses(NoSuchExperiment, StackNotReady, InvalidRequest),
+)
+def runs_create(
+    session: SessionDependency, platform: PlatformDependency, viewer: ViewerDependency, experiment_id: UUID, new: NewRun
+) -> Run:
+    """Analyse an experiment. Stages whose input is that of an earlier run are taken from it."""
+    return service.shown(session, service.create(session, platform, viewer, experiment_id, new.parameters))
+
+
+@router.get("/runs/{run_id}", responses=responses(NoSuchRun, InvalidRequest))
+def runs_get(session: SessionDependency, viewer: ViewerDependency, run_id: UUID) -> Run:
+    """Look at one run."""
+    return service.shown(session, service.get(session, viewer, run_id))
+
+
+@router.post(
+    "/runs/{run_id}/cancel",
+    status_code=HTTPStatus.ACCEPTED,
+    responses=responses(NoSuchRun, RunFinished, InvalidRequest),
+)
+def runs_cancel(session: SessionDependency, viewer: ViewerDependency, run_id: UUID) -> Run:
+    """Stop a run. It is `cancelled` as soon as nobody works on it any more."""
+    return service.shown(session, service.cancel(session, viewer, run_id))
+
+
+@router.post(
+    "/runs/{run_id}/retry",
+    status_code=HTTPStatus.ACCEPTED,
+    responses=responses(NoSuchRun, RunNotFailed, InvalidRequest),
+)
+def runs_retry(session: SessionDependency, platform: PlatformDependency, viewer: ViewerDependency, run_id: UUID) -> Run:
+    """Try a failed run again as a new run, which is answered. What had been done is not done again."""
+    return service.shown(session, service.retry(session, platform, viewer, run_id))
+
+
+@router.delete(
+    "/runs/{run_id}", status_code=HTTPStatus.NO_CONTENT, responses=responses(NoSuchRun, RunActive, InvalidRequest)
+)
+def runs_delete(session: SessionDependency, viewer: ViewerDependency, run_id: UUID) -> None:
+    """Remove a run that ended, with its results."""
+    service.delete(session, viewer, run_id)
+
+
+async def _existing_run(platform: PlatformDependency, viewer: ViewerDependency, run_id: UUID) -> UUID:
+    """Answer 404 before a stream begins; no transaction stays open for it."""
+    await run_in_threadpool(service.look, platform, viewer, run_id)
+    return run_id
+
+
+@router.get("/runs/{run_id}/events", response_class=EventSourceResponse, responses=responses(NoSuchRun, InvalidRequest))
+async def runs_events(
+    platform: PlatformDependency, viewer: ViewerDependency, run_id: Annotated[UUID, Depends(_existing_run)]
+) -> Changes:
+    """Follow a run: `changed` with the run as it is now, at once and after every change, until it has ended."""
+    async for event in follow(
+        platform.listener,
+        run_topic(run_id),
+        lambda: service.look(platform, viewer, run_id),
+        lambda run: is_terminal(RUN_RULES, run.state),
+    ):
+        yield event

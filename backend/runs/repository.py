@@ -1,0 +1,85 @@
+"""Queries about runs."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from uuid import UUID
+
+from sqlalchemy import case, exists, func, select
+from sqlalchemy.orm import Session
+
+from backend.models import Product, Run, Shard
+from backend.platform.visibility import Viewer, visible_runs
+
+
+def find(session: Session, viewer: Viewer, run_id: UUID) -> Run | None:
+    """One run, if it is there for this person."""
+    return session.scalar(visible_runs(viewer).where(Run.id == run_id))
+
+
+def lock(session: Session, viewer: Viewer, run_id: UUID) -> Run | None:
+    """The same, and nobody else changes its state until this transaction ends."""
+    query = visible_runs(viewer).where(Run.id == run_id).with_for_update(of=Run)
+    return session.scalar(query.execution_options(populate_existing=True))
+
+
+def newest(session: Session, viewer: Viewer, experiment_id: UUID, n: int, below: int | None = None) -> Sequence[Run]:
+    """At most `n` runs of an experiment, newest first, with numbers below one."""
+    query = visible_runs(viewer).where(Run.experiment_id == experiment_id)
+    if below is not None:
+        query = query.where(Run.number < below)
+    return session.scalars(query.order_by(Run.number.desc()).limit(n)).all()
+
+
+def latest(session: Session, experiment_ids: Sequence[UUID]) -> Mapping[UUID, Run]:
+    """The latest run of each experiment that has any."""
+    query = (
+        select(Run)
+        .where(Run.experiment_id.in_(experiment_ids))
+        .distinct(Run.experiment_id)
+        .order_by(Run.experiment_id, Run.number.desc())
+    )
+    return {run.experiment_id: run for run in session.scalars(query)}
+
+
+def n_runs(session: Session, experiment_ids: Sequence[UUID]) -> Mapping[UUID, int]:
+    """How many runs each experiment has that has any."""
+    query = (
+        select(Run.experiment_id, func.count()).where(Run.experiment_id.in_(experiment_ids)).group_by(Run.experiment_id)
+    )
+    return dict(session.execute(query).tuples().all())
+
+
+def last_number(session: Session, experiment_id: UUID) -> int:
+    """The highest number of a run of this experiment, 0 if there is none."""
+    return session.scalar(select(func.max(Run.number)).where(Run.experiment_id == experiment_id)) or 0
+
+
+@dataclass(frozen=True)
+class Done:
+    """Frames that are done of one stage."""
+
+    frames: int
+    reused_frames: int
+
+
+def done_frames(session: Session, run_ids: Sequence[UUID]) -> Mapping[tuple[UUID, str], Done]:
+    """Frames that are done by run and task."""
+    reused = func.sum(case((Shard.is_reused, Shard.done_frames), else_=0))
+    query = (
+        select(Shard.run_id, Shard.task, func.sum(Shard.done_frames), reused)
+        .where(Shard.run_id.in_(run_ids))
+        .group_by(Shard.run_id, Shard.task)
+    )
+    return {(run, task): Done(int(done), int(reused)) for run, task, done, reused in session.execute(query)}
+
+
+def products_of_only(session: Session, run_id: UUID) -> Sequence[Product]:
+    """Products of a run that no other run shares."""
+    own = select(Shard.product_id).where(Shard.run_id == run_id)
+    elsewhere = exists().where(Shard.product_id == Product.id, Shard.run_id != run_id)
+    return session.scalars(select(Product).where(Product.id.in_(own), ~elsewhere)).all()
+
+
+def shards(session: Session, run_id: UUID) -> Sequence[Shard]:
+    """Every shard of a run."""
+    return session.scalars(select(Shard).where(Shard.run_id == run_id)).all()

@@ -1,0 +1,72 @@
+"""Runs as the API shows and takes them."""
+
+from datetime import datetime
+from enum import StrEnum
+from typing import Any
+from uuid import UUID
+
+from pydantic import BaseModel, ConfigDict
+
+from backend.models.states import RunState, StageState
+from backend.platform.pages import Page
+from backend.platform.problems import Problem
+
+
+class StageName(StrEnum):
+    """What a run does, in this order."""
+
+    DETECT = "detect"
+    TRACK = "track"
+    ANALYSE = "analyse"
+
+
+class Stage(BaseModel):
+    """How far one stage is."""
+
+    name: StageName
+    state: StageState
+    done_frames: int
+    total_frames: int
+    reused_frames: int
+    """Of the frames that are done, those that an earlier run had done already."""
+    frames_per_s: float | None
+    seconds_left: float | None
+
+
+class Run(BaseModel):
+    """One analysis."""
+
+    id: UUID
+    experiment_id: UUID
+    number: int
+    state: RunState
+    is_cancelling: bool
+    """It was asked to stop, and workers are letting go."""
+    parameters: dict[str, Any]
+    """All of them, as `GET /schemas/parameters` describes them."""
+    created_at: datetime
+    started_at: datetime | None
+    finished_at: datetime | None
+    version: str
+    """Of the software that this run was made with."""
+    stages: list[Stage]
+    problem: Problem | None
+    summary: dict[str, Any] | None
+    """What `summary.json` holds."""
+    warnings: list[str]
+
+
+class Runs(Page[Run]):
+    """Some runs."""
+
+
+class NewRun(BaseModel):
+    """What a new run needs."""
+
+    model_config = ConfigDict(
+        extra="forbid",
+        json_schema_extra={"examples": [{"parameters": {"detection": {"radius_min_um": 4.0, "radius_max_um": 40.0}}}]},
+    )
+
+    parameters: dict[str, Any] = {}
+    """Those that differ from their defaults."""

@@ -1,0 +1,167 @@
+"""What can be done with runs."""
+
+from collections.abc import Sequence
+from datetime import UTC, datetime
+from typing import Any
+from uuid import UUID
+
+from sqlalchemy.orm import Session
+
+from backend.experiments.service import get as get_experiment
+from backend.experiments.service import get_locked
+from backend.models import DoomedObject, Run, Shard, Stage
+from backend.models.lifecycle import request_cancel
+from backend.models.states import ACTIVE_RUN_STATES, RUN_RULES, RunState, StackState, is_terminal
+from backend.platform.database import after_commit
+from backend.platform.dependencies import Platform
+from backend.platform.events import announce, experiment_topic, run_topic
+from backend.platform.pages import decode_cursor, encode_cursor
+from backend.platform.problems import InvalidRequest, Problem
+from backend.platform.texts import unstorable
+from backend.platform.visibility import Viewer
+from backend.runs import repository, schemas
+from backend.runs.errors import NoSuchRun, RunActive, RunFinished, RunNotFailed
+from backend.runs.progress import shown_stages
+from backend.stacks.errors import StackNotReady
+from dropflow.errors import FieldProblem, ParametersError
+from dropflow.experiment import parse_experiment
+from dropflow.parameters import Parameters, parse_parameters
+from dropflow.preprocess.radius_range import radius_range_px
+from dropflow.provenance import code_version
+
+
+def get(session: Session, viewer: Viewer, run_id: UUID) -> Run:
+    """One run."""
+    return _there(repository.find(session, viewer, run_id))
+
+
+def page(session: Session, viewer: Viewer, experiment_id: UUID, limit: int, cursor: str | None) -> schemas.Runs:
+    """Runs of an experiment, newest first."""
+    get_experiment(session, viewer, experiment_id)
+    position = decode_cursor(cursor, 1)
+    if position is not None and not isinstance(position[0], int):
+        raise InvalidRequest("This is no cursor of this list.", fields=[FieldProblem("cursor", "is not valid")])
+    found = repository.newest(session, viewer, experiment_id, limit + 1, position[0] if position else None)
+    items = shown_as(session, found[:limit])
+    return schemas.Runs(items=items, next_cursor=encode_cursor(items[-1].number) if len(found) > limit else None)
+
+
+def create(session: Session, platform: Platform, viewer: Viewer, experiment_id: UUID, document: dict[str, Any]) -> Run:
+    """Plan a run: its first shard looks at the stack and makes the others."""
+    parameters = _read_parameters(document)
+    experiment = get_locked(session, viewer, experiment_id)
+    stack = experiment.stack
+    if stack.state != StackState.READY or stack.n_frames is None or stack.rows is None or stack.columns is None:
+        raise StackNotReady
+    n_frames = stack.n_frames
+    radius_range_px(parse_experiment(experiment.document), parameters, (stack.rows, stack.columns))
+    run = Run(
+        experiment_id=experiment.id,
+        number=repository.last_number(session, experiment.id) + 1,
+        parameters=parameters.model_dump(mode="json"),
+        document=experiment.document,
+        version=code_version(),
+        stages=[
+            Stage(name=name, position=position, total_frames=n_frames)
+            for position, name in enumerate(schemas.StageName)
+        ],
+    )
+    session.add(run)
+    session.flush()
+    shard = Shard(experiment_id=experiment.id, run_id=run.id, task="prepare")
+    session.add(shard)
+    session.flush()
+    session.refresh(run)
+    announce(session, experiment_topic(experiment.id))
+    after_commit(session, lambda: platform.queue.send(shard.id, shard.task))
+    return run
+
+
+def cancel(session: Session, viewer: Viewer, run_id: UUID) -> Run:
+    """Ask a run to stop: what waits is taken back now, what is worked on within a frame or two."""
+    run = _there(repository.lock(session, viewer, run_id))
+    if is_terminal(RUN_RULES, run.state):
+        raise RunFinished
+    request_cancel(session, run)
+    _announce(session, run)
+    session.flush()
+    session.refresh(run)
+    return run
+
+
+def retry(session: Session, platform: Platform, viewer: Viewer, run_id: UUID) -> Run:
+    """Make a new run with the parameters of a failed one. What that one had done already is used again."""
+    run = get(session, viewer, run_id)
+    if run.state != RunState.FAILED:
+        raise RunNotFailed
+    return create(session, platform, viewer, run.experiment_id, run.parameters)
+
+
+def delete(session: Session, viewer: Viewer, run_id: UUID) -> None:
+    """Remove a run, and what it made unless another run shares it."""
+    experiment_id = get(session, viewer, run_id).experiment_id
+    get_locked(session, viewer, experiment_id)  # so that no new run shares a product in this moment
+    run = _there(repository.lock(session, viewer, run_id))
+    if run.state in ACTIVE_RUN_STATES:
+        raise RunActive
+    products = repository.products_of_only(session, run.id)
+    for shard in repository.shards(session, run.id):
+        session.delete(shard)
+    session.flush()
+    for product in products:
+        session.add(DoomedObject(key=product.prefix))
+        session.delete(product)
+    session.delete(run)
+    _announce(session, run)
+
+
+def shown_as(session: Session, runs: Sequence[Run]) -> list[schemas.Run]:
+    """Runs as the API shows them; one query for the progress of any number."""
+    done = repository.done_frames(session, [run.id for run in runs])
+    now = datetime.now(UTC)
+    return [
+        schemas.Run(
+            id=run.id,
+            experiment_id=run.experiment_id,
+            number=run.number,
+            state=run.state,
+            is_cancelling=run.cancel_requested_at is not None and not is_terminal(RUN_RULES, run.state),
+            parameters=run.parameters,
+            created_at=run.created_at,
+            started_at=run.started_at,
+            finished_at=run.finished_at,
+            version=run.version,
+            stages=shown_stages(run, done, now),
+            problem=Problem.model_validate(run.problem) if run.problem else None,
+            summary=run.summary,
+            warnings=run.warnings,
+        )
+        for run in runs
+    ]
+
+
+def shown(session: Session, run: Run) -> schemas.Run:
+    """One run as the API shows it."""
+    return shown_as(session, [run])[0]
+
+
+def look(platform: Platform, viewer: Viewer, run_id: UUID) -> schemas.Run:
+    """One run, looked up in a transaction of its own."""
+    with platform.sessions.begin() as session:
+        return shown(session, get(session, viewer, run_id))
+
+
+def _read_parameters(document: dict[str, Any]) -> Parameters:
+    if problems := list(unstorable(document)):
+        raise ParametersError("Please correct:", fields=problems)
+    return parse_parameters(document)
+
+
+def _there(run: Run | None) -> Run:
+    if run is None:
+        raise NoSuchRun
+    return run
+
+
+def _announce(session: Session, run: Run) -> None:
+    announce(session, run_topic(run.id), experiment_topic(run.experiment_id))

@@ -1,0 +1,107 @@
+"""/experiments/{id}/files, /stack and /frames."""
+
+from http import HTTPStatus
+from typing import Annotated
+from uuid import UUID
+
+from fastapi import APIRouter, Header, Path, Query, Request, Response
+
+from backend.experiments.errors import NoSuchExperiment
+from backend.experiments.schemas import Experiment
+from backend.experiments.service import shown
+from backend.platform.dependencies import PlatformDependency, SessionDependency, ViewerDependency
+from backend.platform.pages import Cursor, Limit
+from backend.platform.problems import InvalidRequest, responses
+from backend.stacks import service, upload
+from backend.stacks.errors import NoSpace, RunsExist, StackClosed, TooLarge, WrongKind
+from backend.stacks.images import as_webp
+from backend.stacks.pictures import read_frame
+from backend.stacks.schemas import File, Files, Role
+
+router = APIRouter(prefix="/experiments/{experiment_id}", tags=["frames"])
+
+FrameNumber = Annotated[int, Path(ge=0, le=2**31 - 1)]
+_RAW_BODY = {
+    "requestBody": {
+        "required": True,
+        "description": "The bytes of the file.",
+        "content": {"application/octet-stream": {"schema": {"type": "string", "format": "binary"}}},
+    }
+}
+
+
+@router.get("/files", responses=responses(NoSuchExperiment, InvalidRequest))
+def files_list(
+    session: SessionDependency, viewer: ViewerDependency, experiment_id: UUID, limit: Limit = 500, cursor: Cursor = None
+) -> Files:
+    """List the uploaded files, by role and name."""
+    return service.files(session, viewer, experiment_id, limit, cursor)
+
+
+@router.put(
+    "/files",
+    status_code=HTTPStatus.CREATED,
+    responses=responses(NoSuchExperiment, StackClosed, TooLarge, WrongKind, InvalidRequest, NoSpace),
+    openapi_extra=_RAW_BODY,
+    max_body_size=2**62,  # the settings bound it, by file and by stack
+)
+async def files_upload(
+    platform: PlatformDependency,
+    viewer: ViewerDependency,
+    experiment_id: UUID,
+    request: Request,
+    name: Annotated[str, Query(description="Relative name, percent-encoded, such as `run 1/frame0001.tif`.")],
+    role: Role = Role.FRAMES,
+    content_length: Annotated[int | None, Header(ge=0, include_in_schema=False)] = None,
+) -> File:
+    """Upload one file as the raw body. The same name again replaces it. Then say `POST .../stack`."""
+    said = upload.Upload(viewer, experiment_id, name, role, content_length)
+    return File.model_validate(await upload.receive(platform, said, request.stream()))
+
+
+@router.post(
+    "/stack", status_code=HTTPStatus.ACCEPTED, responses=responses(NoSuchExperiment, StackClosed, InvalidRequest)
+)
+def stack_complete(
+    session: SessionDependency, platform: PlatformDependency, viewer: ViewerDependency, experiment_id: UUID
+) -> Experiment:
+    """Say that all files are there. Every frame is read; the stack becomes `ready` or `rejected` with the problem."""
+    return shown(session, service.seal(session, platform, viewer, experiment_id))
+
+
+@router.delete("/stack", responses=responses(NoSuchExperiment, RunsExist, InvalidRequest))
+def stack_delete(session: SessionDependency, viewer: ViewerDependency, experiment_id: UUID) -> Experiment:
+    """Remove all uploaded files, to upload others."""
+    return shown(session, service.clear(session, viewer, experiment_id))
+
+
+@router.get(
+    "/frames/{frame}.webp",
+    response_class=Response,
+    responses={
+        200: {"content": {"image/webp": {}}, "description": "The picture."},
+        304: {"description": "The picture is the one you have."},
+        **responses(NoSuchExperiment, StackClosed, InvalidRequest),
+    },
+)
+def frames_picture(
+    request: Request,
+    platform: PlatformDependency,
+    viewer: ViewerDependency,
+    experiment_id: UUID,
+    frame: FrameNumber,
+    max_side: Annotated[int, Query(ge=16, le=8192, description="Longest side in pixels.")] = 1200,
+    v: Annotated[str | None, Query(max_length=64, description="`stack.checksum`: keeps the picture for ever.")] = None,
+    if_none_match: Annotated[str | None, Header(include_in_schema=False)] = None,
+) -> Response:
+    """One frame as an 8-bit picture, its contrast stretched."""
+    with platform.sessions.begin() as session:
+        experiment = service.with_frame(session, viewer, experiment_id, frame)
+        checksum = str(experiment.stack.checksum)
+        tag = f'"{checksum[:16]}-{frame}-{max_side}"'
+        keep = "private, max-age=31536000, immutable" if v == checksum else "private, no-cache"
+        headers = {"ETag": tag, "Cache-Control": keep}
+        if if_none_match == tag:
+            return Response(status_code=HTTPStatus.NOT_MODIFIED, headers=headers)
+        pixels = read_frame(request.app.state.open_stacks, platform.store, session, viewer, experiment, frame)
+    return Response(as_webp(pixels, max_side), media_type="image/webp", headers=headers)

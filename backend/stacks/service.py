@@ -1,0 +1,84 @@
+"""What can be done with the frames of an experiment."""
+
+from uuid import UUID
+
+from sqlalchemy.orm import Session
+
+from backend.experiments.service import get, get_locked
+from backend.models import DoomedObject, Experiment, File, Shard, Stack
+from backend.models.states import STACK_RULES, StackState, rule
+from backend.platform.database import after_commit
+from backend.platform.dependencies import Platform
+from backend.platform.events import announce, experiment_topic
+from backend.platform.pages import decode_cursor, encode_cursor
+from backend.platform.visibility import Viewer
+from backend.stacks import repository, schemas
+from backend.stacks.attachments import disagreements
+from backend.stacks.errors import NoSuchFrame, RunsExist, StackClosed, StackEmpty, StackNotReady
+from dropflow.errors import ExperimentError
+
+
+def files(session: Session, viewer: Viewer, experiment_id: UUID, limit: int, cursor: str | None) -> schemas.Files:
+    """The uploaded files, by role and name."""
+    get(session, viewer, experiment_id)
+    position = decode_cursor(cursor, 2)
+    after = (str(position[0]), str(position[1])) if position else None
+    found = repository.files(session, viewer, experiment_id, limit + 1, after)
+    shown = found[:limit]
+    next_cursor = encode_cursor(shown[-1].role, shown[-1].name) if len(found) > limit else None
+    return schemas.Files(items=[schemas.File.model_validate(file) for file in shown], next_cursor=next_cursor)
+
+
+def seal(session: Session, platform: Platform, viewer: Viewer, experiment_id: UUID) -> Experiment:
+    """All files are there: have a worker read every frame."""
+    experiment = get_locked(session, viewer, experiment_id)
+    found = repository.files(session, viewer, experiment_id)
+    if experiment.stack.state in (StackState.INDEXING, StackState.READY):
+        raise StackClosed
+    if not any(file.role == schemas.Role.FRAMES for file in found):
+        raise StackEmpty
+    if problems := disagreements(experiment.document, [(file.role, file.name) for file in found]):
+        raise ExperimentError("The experiment and the uploaded files do not agree.", fields=problems)
+    experiment.stack.state = rule(STACK_RULES, "seal").target
+    shard = Shard(experiment_id=experiment.id, task="ingest")
+    session.add(shard)
+    session.flush()
+    announce(session, experiment_topic(experiment.id))
+    after_commit(session, lambda: platform.queue.send(shard.id, shard.task))
+    return experiment
+
+
+def clear(session: Session, viewer: Viewer, experiment_id: UUID) -> Experiment:
+    """Remove the frames and everything that was uploaded beside them; an index that goes on is given up."""
+    experiment = get_locked(session, viewer, experiment_id)
+    if repository.has_runs(session, experiment_id):
+        raise RunsExist
+    for file in repository.files(session, viewer, experiment_id):
+        session.add(DoomedObject(key=file.store_key))
+        session.delete(file)
+    repository.delete_ingest(session, experiment_id)
+    if experiment.stack.index_key:
+        session.add(DoomedObject(key=experiment.stack.index_key))
+    session.delete(experiment.stack)
+    session.flush()
+    experiment.stack = Stack()
+    announce(session, experiment_topic(experiment.id))
+    session.flush()
+    return experiment
+
+
+def with_frame(session: Session, viewer: Viewer, experiment_id: UUID, frame: int) -> Experiment:
+    """The experiment, if it has such a frame."""
+    experiment = get(session, viewer, experiment_id)
+    n_frames = experiment.stack.n_frames
+    if experiment.stack.state != StackState.READY or n_frames is None:
+        raise StackNotReady
+    if not 0 <= frame < n_frames:
+        raise NoSuchFrame(frame)
+    return experiment
+
+
+def frame_files(session: Session, viewer: Viewer, experiment_id: UUID) -> dict[str, str]:
+    """Where each file of frames is kept, by name."""
+    found: list[File] = list(repository.files(session, viewer, experiment_id))
+    return {file.name: file.store_key for file in found if file.role == schemas.Role.FRAMES}
