@@ -15,6 +15,7 @@ PAGE_SOURCES := $(shell find frontend -mindepth 1 \( -name node_modules -o -name
 
 # One thread a process: tests and workers run beside each other on few cores.
 ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 NUMBA_NUM_THREADS=1
+EXPORT := $(BIN)/uv export --frozen --no-emit-project --python 3.11 --quiet
 PYTEST := $(ONE_THREAD) $(BIN)/python -m pytest
 # So that a killed `make` takes the launcher with it; only Linux can.
 WITH_ME := $(if $(shell command -v setpriv),setpriv --pdeathsig TERM)
@@ -61,7 +62,8 @@ docs: python ## the documentation, into site/
 lock: ## choose versions that fit together, for Python 3.11 (remove uv.lock first for the newest)
 	$(BIN)/python -m pip install --quiet uv
 	$(BIN)/uv lock --python 3.11
-	$(BIN)/uv export --frozen --no-emit-project --python 3.11 --quiet --output-file requirements.lock
+	$(EXPORT) --output-file requirements.lock
+	$(EXPORT) --no-default-groups --group server --group build --output-file deploy/images/requirements.lock
 
 clean: ## remove what was installed and built; DATA stays
 	rm -rf $(VENV) frontend/node_modules frontend/dist site

@@ -6,6 +6,8 @@
 - `empty_database_url`: the same without any table, for tests of the migrations themselves.
 - `valkey_server` (session): a running `deploy.local.valkey.Valkey`.
 - `redis_url`: URL of its database 0, emptied before the test.
+- `service` (session): API and workers as real processes with a database and queues of their own; `service.url` ends
+  in a slash and serves the page too. For other settings use `tests.services.running_service`.
 """
 
 import os
@@ -17,7 +19,16 @@ import redis
 
 from deploy.local.postgres import Postgres
 from deploy.local.valkey import Valkey
-from tests.services import MIGRATED, ROOT, database, migrate, running_postgres, running_valkey
+from tests.services import (
+    MIGRATED,
+    ROOT,
+    RunningService,
+    database,
+    migrate,
+    running_postgres,
+    running_service,
+    running_valkey,
+)
 
 
 @pytest.fixture(scope="session")
@@ -63,5 +74,14 @@ def valkey_server() -> Iterator[Valkey]:
 def redis_url(valkey_server: Valkey) -> str:
     url = valkey_server.url(0)
     with redis.Redis.from_url(url) as client:
-        client.flushall()
+        client.flushdb()
     return url
+
+
+@pytest.fixture(scope="session")
+def service(postgres_server: Postgres, migrated_template: str, valkey_server: Valkey) -> Iterator[RunningService]:
+    with (
+        database(postgres_server, template=migrated_template) as url,
+        running_service(url, valkey_server.url(1)) as running,
+    ):
+        yield running

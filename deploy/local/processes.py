@@ -6,7 +6,7 @@ import signal
 import socket
 import subprocess
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,14 +23,17 @@ class Child:
     log: Path
     stop_signal: signal.Signals
     pid_file: Path | None = None
+    is_asked_to_stop: bool = False
 
     @property
     def is_running(self) -> bool:
         return self.process.poll() is None
 
     def ask_to_stop(self) -> None:
-        if self.is_running:
+        """Ask once: to many programs a second signal means "at once"."""
+        if self.is_running and not self.is_asked_to_stop:
             self.process.send_signal(self.stop_signal)
+        self.is_asked_to_stop = True
 
     def stop(self, timeout_s: float = 15.0) -> bool:
         """End it and all it started; False when it had to be killed."""
@@ -80,7 +83,7 @@ def start(
             cwd=folder,
         )
     if pid_file is not None:
-        pid_file.write_text(f"{process.pid} {started_at(process.pid)}")
+        pid_file.write_text(f"{process.pid} {stop_signal.name} {started_at(process.pid)}")
     return Child(name, process, log, stop_signal, pid_file)
 
 
@@ -109,19 +112,23 @@ def started_at(pid: int) -> str:
     ).stdout.strip()
 
 
-def end_left_over(pid_file: Path, timeout_s: float = 10.0) -> bool:
-    """End the process that an instance of us left behind; True when there was one."""
-    pid, _, start_time = pid_file.read_text().partition(" ")
-    pid_file.unlink()
-    is_ours = start_time != "" and started_at(int(pid)) == start_time
-    if is_ours:
+def end_left_over(pid_files: Iterable[Path], timeout_s: float = 15.0) -> list[int]:
+    """End what an instance that was killed could not end itself; all are asked at once. Their pids."""
+    left_over = []
+    for pid_file in pid_files:
+        words = pid_file.read_text().split(" ", 2)
+        pid_file.unlink()
+        if len(words) == 3 and words[2] and started_at(int(words[0])) == words[2]:
+            left_over.append((int(words[0]), words[1], words[2]))
+    for pid, signal_name, _ in left_over:
         with suppress(ProcessLookupError):
-            os.kill(int(pid), signal.SIGTERM)
-        deadline = time.monotonic() + timeout_s
-        while started_at(int(pid)) == start_time and time.monotonic() < deadline:
+            os.kill(pid, signal.Signals[signal_name])
+    deadline = time.monotonic() + timeout_s
+    for pid, _, start_time in left_over:
+        while started_at(pid) == start_time and time.monotonic() < deadline:
             time.sleep(0.05)
-        kill_group(int(pid))
-    return is_ours
+        kill_group(pid)
+    return [pid for pid, _, _ in left_over]
 
 
 def kill_group(pid: int) -> None:

@@ -1,6 +1,5 @@
 """The embedded servers start, keep what they are given, and go when their starter goes."""
 
-import os
 import signal
 import subprocess
 import sys
@@ -14,7 +13,7 @@ from redis.backoff import NoBackoff
 from redis.retry import Retry
 
 from deploy.local.postgres import Installation, Postgres, installations, new_password, plain
-from deploy.local.processes import end_left_over, is_port_free, start
+from deploy.local.processes import is_port_free
 from deploy.local.valkey import Valkey
 from tests.services import ROOT, scratch_folder
 
@@ -84,17 +83,3 @@ def test_servers_end_when_their_starter_is_killed(tmp_path: Path) -> None:
         assert len(ports) == 2
         assert all(map(is_port_free, ports))
         assert not (folder / "p" / "cluster" / "postmaster.pid").exists()
-
-
-def test_a_process_left_behind_is_ended_at_the_next_start(tmp_path: Path) -> None:
-    pid_file = tmp_path / "sleeper.pid"
-    child = start("sleeper", ["sleep", "60"], log=tmp_path / "log", pid_file=pid_file)
-    assert end_left_over(pid_file)
-    assert child.process.wait(5) == -signal.SIGTERM
-    assert not pid_file.exists()
-
-
-def test_a_pid_used_again_by_another_process_is_left_alone(tmp_path: Path) -> None:
-    pid_file = tmp_path / "stranger.pid"
-    pid_file.write_text(f"{os.getpid()} some other time")
-    assert not end_left_over(pid_file)

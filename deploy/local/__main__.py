@@ -1,0 +1,35 @@
+"""`python -m deploy.local`: everything on this machine until Ctrl-C. `make run` starts it."""
+
+import os
+import sys
+
+from deploy.local.errors import LauncherError
+from deploy.local.folder import open_folder
+from deploy.local.instance import Instance
+from deploy.local.options import read_options
+from deploy.local.signals import StopRequested, stop_on_signals
+
+
+def main() -> int:
+    """Run; 0 after an orderly stop, 2 where nothing could be started, 1 where something broke."""
+    try:
+        options = read_options(os.environ)
+        with stop_on_signals(), open_folder(options) as folder, Instance(options, folder, say) as instance:
+            instance.start()
+            print(f"Dropflow is ready: {options.address}", flush=True)  # noqa: T201 - this is the product
+            instance.watch()
+    except StopRequested:
+        return 0
+    except LauncherError as problem:
+        say(str(problem))
+        return problem.exit_code
+    return 0
+
+
+def say(message: str) -> None:
+    """Tell the person who started us; standard output has the address alone."""
+    print(f"Dropflow: {message}", file=sys.stderr, flush=True)  # noqa: T201 - said to a person, not logged
+
+
+if __name__ == "__main__":
+    sys.exit(main())
