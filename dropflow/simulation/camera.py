@@ -117,4 +117,4 @@ def _quantise(levels: Picture, scenario: Scenario) -> Grey:
     levels *= np.float32(top / 255.0)
     np.rint(levels, out=levels)
     np.clip(levels, 0, top, out=levels)
-    return levels.astype(np.uint8 if scenario.bit_depth == 8 else np.uint16)
+    return levels.astype(np.uint8) if scenario.bit_depth == 8 else levels.astype(np.uint16)

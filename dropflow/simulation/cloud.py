@@ -49,8 +49,7 @@ class Cloud:
 
 def no_droplets() -> Cloud:
     """A cloud of none."""
-    empty = (np.empty(0) for _ in range(4))
-    return Cloud(np.empty(0, np.int64), *empty, np.empty(0, np.int8))
+    return Cloud(np.empty(0, np.int64), np.empty(0), np.empty(0), np.empty(0), np.empty(0), np.empty(0, np.int8))
 
 
 @dataclass(frozen=True)

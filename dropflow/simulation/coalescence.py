@@ -16,7 +16,7 @@ def coalesce(cloud: Cloud, *, efficiency: float, time_s: float, next_id: int) ->
     Whether a pair merges or passes is decided once, by a hash of both ids: a share `efficiency` of all pairs merges.
     Products get the ids from `next_id` on. A droplet takes part in one event a call.
     """
-    events = []
+    events: list[Coalescence] = []
     is_left = np.ones(len(cloud), bool)
     for i, j in merging_pairs(cloud, 0, efficiency):
         if is_left[i] and is_left[j]:
@@ -24,9 +24,9 @@ def coalesce(cloud: Cloud, *, efficiency: float, time_s: float, next_id: int) ->
             events.append(_merge(cloud[np.array([i, j])], time_s, next_id + len(events)))
     if not events:
         return cloud, []
-    places = np.array([(event.x_um, event.y_um, event.z_um, event.r_um) for event in events]).T
+    x, y, z, r = np.array([(event.x_um, event.y_um, event.z_um, event.r_um) for event in events]).T
     ids = np.array([event.product for event in events], np.int64)
-    products = Cloud(ids, *places, np.full(len(events), Origin.COALESCENCE, np.int8))
+    products = Cloud(ids, x, y, z, r, np.full(len(events), Origin.COALESCENCE, np.int8))
     return cloud[is_left].followed_by(products), events
 
 

@@ -1,4 +1,4 @@
-"""What happened to droplets, as ``events.csv``: births, coalescences and exits, as far as the truth table shows them."""
+"""What happened to droplets, as ``events.csv``: births, coalescences and exits, as far as the truth shows them."""
 
 import csv
 from enum import StrEnum

@@ -34,12 +34,12 @@ VISIBLE_CONTRAST, INVISIBLE_CONTRAST = 8.0, 4.0
 
 def blur_px(z_um: Column, scenario: Scenario) -> Column:
     """Standard deviation of a droplet's blur at a distance from the focal plane."""
-    return np.hypot(scenario.point_spread_px, scenario.defocus_px_per_um * np.asarray(z_um))
+    return np.asarray(np.hypot(scenario.point_spread_px, scenario.defocus_px_per_um * np.asarray(z_um)))
 
 
 def reach_um(r_um: Column, scenario: Scenario) -> Column:
     """Distance from the focal plane up to which a droplet is lit at all."""
-    return np.asarray(r_um) + SHEET_REACH * scenario.sheet_sigma_um
+    return np.asarray(np.asarray(r_um) + SHEET_REACH * scenario.sheet_sigma_um)
 
 
 def own_contrast(r_um: Column, z_um: Column, scenario: Scenario) -> Column:
@@ -56,7 +56,7 @@ def own_contrast(r_um: Column, z_um: Column, scenario: Scenario) -> Column:
     down, right = size - row, depth - column
     upper = table[row, column] * (1 - right) + table[row, column + 1] * right
     lower = table[row + 1, column] * (1 - right) + table[row + 1, column + 1] * right
-    return scenario.contrast_levels * (upper * (1 - down) + lower * down)
+    return np.asarray(scenario.contrast_levels * (upper * (1 - down) + lower * down))
 
 
 def seen_depth_um(r_um: Column, scenario: Scenario) -> Column:
@@ -83,7 +83,7 @@ def _contrast_table(scenario: Scenario) -> tuple[Column, npt.NDArray[np.float64]
     return np.log(radii_um), table
 
 
-def check_is_visible(scenario: Scenario, seen_um: Column) -> None:
+def check_is_visible(seen_um: Column) -> None:
     """An error if no droplet of any radius could be seen: their number would have no meaning."""
     if not np.any(seen_um > 0):
         problem = FieldProblem("contrast_levels", "no droplet of any radius would be visible with this light and blur")

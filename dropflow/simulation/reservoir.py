@@ -29,7 +29,7 @@ class Reservoir:
         quantiles = low + (high - low) * (np.arange(2000) + 0.5) / 2000
         self._radii_um = scenario.radius_median_um * np.exp(scenario.radius_spread * ndtri(quantiles))
         seen_um = seen_depth_um(self._radii_um, scenario)
-        check_is_visible(scenario, seen_um)
+        check_is_visible(seen_um)
         full_area_um2 = FULL_HEIGHT_PX * FULL_WIDTH_PX * pixel**2
         self.density_per_um3 = scenario.n_droplets / (full_area_um2 * float(seen_um.mean()))
         self._nucleation_share = (self._right_um - self._low_um) * (self._bottom_um - self._low_um) / full_area_um2

@@ -55,7 +55,7 @@ class Scenario(StrictModel):
     radius_max_um: Positive = 40.0
     """Largest radius at the start and of droplets that come in."""
     radius_median_um: Positive = 7.0
-    """Median radius per volume, before the cuts (log-normal). What is seen is larger: large droplets are seen deeper."""
+    """Median radius per volume, before the cuts (log-normal). The median of what is seen is larger."""
     radius_spread: Positive = 0.55
     """Standard deviation of ln(radius), before the cuts."""
     growth_um_s: float = 0.02

@@ -24,7 +24,7 @@ def upstream_streaks(scenario: Scenario, time_s: float, seed: int) -> Picture:
     )
     rows = np.arange(scenario.height_px)[:, None]
     waves = np.cos(rows * wave_per_px + phase).sum(axis=1) * np.sqrt(2.0 / _N_UPSTREAM_WAVES)
-    return (scenario.streak_upstream * scenario.streak_amplitude * waves).astype(np.float32)
+    return np.asarray(scenario.streak_upstream * scenario.streak_amplitude * waves, np.float32)
 
 
 def streaks(cloud: Cloud, upstream: Picture, scenario: Scenario) -> Picture:
@@ -46,7 +46,7 @@ def streaks(cloud: Cloud, upstream: Picture, scenario: Scenario) -> Picture:
 
 def _character(droplet_id: npt.NDArray[np.int64]) -> Column:
     """A factor from 0.3 to 1.7 that stays with a droplet."""
-    return 0.3 + 1.4 * ((droplet_id * 0.6180339887498949) % 1.0)
+    return np.asarray(0.3 + 1.4 * ((droplet_id * 0.6180339887498949) % 1.0), np.float64)
 
 
 @numba.njit(cache=True, error_model="numpy")

@@ -173,7 +173,7 @@ def _flow_writer(
     scenario = film.scenario
     grid, interval_s = scenario.grid, scenario.frame_interval_s
     about: dict[str, Any] = {"dropflow_version": code_version(), "seed": film.seed, "scenario": scenario.name}
-    times_s = np.arange(n_frames) * interval_s
+    times_s = interval_s * np.arange(n_frames, dtype=np.float64)
     store = create_flow_store(folder / "truth_flow.zarr", grid, times_s, about=about)
     flows = FlowStore(store)
     waiting: list[FlowField] = []
