@@ -1,0 +1,51 @@
+import { Text } from "@mantine/core";
+import type { Experiment } from "../client";
+import { flatten } from "../forms/document";
+import { type Fact, Facts } from "../platform/Facts";
+import { plainField } from "../platform/fields";
+import { formatBytes, formatCount, formatDuration, formatTime } from "../platform/format";
+import { Moment } from "../platform/Moment";
+import { shown } from "../runs/differing";
+
+const SHOWN_ELSEWHERE = new Set(["name", "tags", "notes"]);
+
+/** The description, field by field, with units. */
+export function Description({ experiment }: { experiment: Experiment }) {
+  const document = experiment.experiment;
+  const facts = Object.entries(flatten(document))
+    .filter(([path, value]) => !SHOWN_ELSEWHERE.has(path) && value !== null && value !== "")
+    .map(([path, value]): Fact => [plainField(path), shownValue(path, value)]);
+  return (
+    <>
+      <Facts facts={facts} label="What was filmed" />
+      {typeof document.notes === "string" && document.notes && (
+        <Text fz="sm" style={{ whiteSpace: "pre-wrap" }}>
+          {document.notes}
+        </Text>
+      )}
+    </>
+  );
+}
+
+function shownValue(path: string, value: unknown): string {
+  if (path === "recorded_at") return formatTime(String(value));
+  if (Array.isArray(value)) return `(${value.map((part) => shown("", part)).join(", ")})`;
+  return shown(path, value);
+}
+
+export function StackFacts({ experiment }: { experiment: Experiment }) {
+  const { stack } = experiment;
+  const facts: Fact[] = [
+    ["Files", `${formatCount(stack.n_files)}, ${formatBytes(stack.size_bytes)}`],
+    ["Group", experiment.group.name],
+    ["Created", <Moment key="created" time={experiment.created_at} />],
+  ];
+  if (stack.n_frames != null) {
+    facts.unshift(
+      ["Frames", formatCount(stack.n_frames)],
+      ["Size", `${stack.columns} × ${stack.rows} px, ${stack.dtype}`],
+      ["Duration", formatDuration(stack.duration_s)],
+    );
+  }
+  return <Facts facts={facts} label="Stack" />;
+}

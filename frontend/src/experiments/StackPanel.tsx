@@ -1,0 +1,124 @@
+import { Alert, Button, Group, List, Progress, Stack, Text } from "@mantine/core";
+import { useMutation, useQueryClient } from "@tanstack/react-query";
+import { useEffect } from "react";
+import { type Experiment, stackDelete } from "../client";
+import { formatBytes, formatCount, plural } from "../platform/format";
+import { Panel } from "../platform/Panel";
+import { ProblemAlert } from "../platform/ProblemAlert";
+import { toProblem } from "../platform/problem";
+import { isRefused } from "../uploads/Upload";
+import { UploadProgress } from "../uploads/UploadProgress";
+import { forgetUpload, resumeUpload, stopUpload, useUpload } from "../uploads/uploads";
+import { AddFrames } from "./AddFrames";
+
+/** How the frames get here: sending, indexing, what is wrong with them, or a place to drop them. */
+export function StackPanel({ experiment }: { experiment: Experiment }) {
+  const { id, stack } = experiment;
+  const upload = useUpload(id);
+  const cache = useQueryClient();
+  const isOver = upload?.phase === "done";
+  const isKnown = stack.state === "indexing" || stack.state === "ready" || stack.state === "rejected";
+
+  useEffect(() => {
+    if (!isOver) return;
+    if (isKnown) forgetUpload(id);
+    else void cache.invalidateQueries({ queryKey: ["experiments", id] });
+  }, [isOver, isKnown, id, cache]);
+
+  if (upload && upload.phase !== "stopped" && !(isOver && isKnown)) {
+    return (
+      <Panel title="Upload">
+        <UploadProgress
+          upload={upload}
+          onStop={() => stopUpload(id)}
+          actions={
+            <>
+              <Button size="xs" variant="default" onClick={() => resumeUpload(id)}>
+                {isRefused(upload) ? "Leave this file out and go on" : "Try again"}
+              </Button>
+              <StartOver experiment={experiment} />
+            </>
+          }
+        />
+      </Panel>
+    );
+  }
+  switch (stack.state) {
+    case "indexing":
+      return <Indexing experiment={experiment} />;
+    case "ready":
+      return stack.warnings.length > 0 ? <Warnings warnings={stack.warnings} /> : null;
+    case "uploading":
+      return (
+        <Panel
+          title="Upload interrupted"
+          about={`${plural(stack.n_files, "file")} (${formatBytes(stack.size_bytes)}) arrived and stay. Drop the same folder again: only what is missing is sent.`}
+          actions={<StartOver experiment={experiment} />}
+        >
+          <AddFrames experiment={experiment} />
+        </Panel>
+      );
+    case "rejected":
+      return (
+        <Stack gap="md">
+          {stack.problem && <ProblemAlert problem={stack.problem} title="These frames cannot be used" />}
+          <Panel title="Upload again" about="The refused files were removed.">
+            <AddFrames experiment={experiment} />
+          </Panel>
+        </Stack>
+      );
+    case "empty":
+      return (
+        <Panel title="Add the frames">
+          <AddFrames experiment={experiment} />
+        </Panel>
+      );
+  }
+}
+
+function Indexing({ experiment: { stack } }: { experiment: Experiment }) {
+  const done = stack.done_frames ?? 0;
+  const percent = stack.n_frames ? (100 * done) / stack.n_frames : 100;
+  return (
+    <Panel title="Reading the frames" about="Every frame is read once, to be sure that all can be analysed.">
+      <Progress value={percent} animated={!stack.n_frames} aria-label="Frames read" />
+      <Text fz="sm" c="dimmed" className="numbers">
+        {stack.n_frames
+          ? `${formatCount(done)} of ${plural(stack.n_frames, "frame")}`
+          : `${plural(done, "frame")} so far, of ${plural(stack.n_files, "file")}`}
+      </Text>
+    </Panel>
+  );
+}
+
+function Warnings({ warnings }: { warnings: string[] }) {
+  return (
+    <Alert color="orange" title="About these frames">
+      <List size="sm">
+        {warnings.map((warning) => (
+          <List.Item key={warning}>{warning}</List.Item>
+        ))}
+      </List>
+    </Alert>
+  );
+}
+
+/** Remove what was uploaded, to begin anew. */
+function StartOver({ experiment }: { experiment: Experiment }) {
+  const cache = useQueryClient();
+  const remove = useMutation({
+    mutationFn: async () => (await stackDelete({ path: { experiment_id: experiment.id } })).data,
+    onSuccess: (changed) => {
+      forgetUpload(experiment.id);
+      cache.setQueryData(["experiments", experiment.id], changed);
+    },
+  });
+  return (
+    <Group gap="xs">
+      <Button size="xs" variant="default" loading={remove.isPending} onClick={() => remove.mutate()}>
+        Start over
+      </Button>
+      {remove.error && <ProblemAlert problem={toProblem(remove.error)} />}
+    </Group>
+  );
+}

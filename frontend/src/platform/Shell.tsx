@@ -1,0 +1,84 @@
+import {
+  ActionIcon,
+  Anchor,
+  AppShell,
+  Button,
+  Container,
+  Group,
+  Text,
+  useComputedColorScheme,
+  useMantineColorScheme,
+} from "@mantine/core";
+import { IconMoon, IconPlus, IconSun } from "@tabler/icons-react";
+import { Link, Outlet } from "@tanstack/react-router";
+import { Logo } from "./Logo";
+
+/** The frame around every page: header, one main landmark, footer. */
+export function Shell() {
+  return (
+    <AppShell header={{ height: 56 }} padding={0}>
+      <a className="skip-link" href="#main">
+        Skip to the content
+      </a>
+      <AppShell.Header>
+        <Container size={1440} h="100%">
+          <Group h="100%" justify="space-between" wrap="nowrap">
+            <HomeLink />
+            <Group gap="xs" wrap="nowrap">
+              <Button
+                renderRoot={(props) => <Link to="/experiments/new" {...props} />}
+                size="xs"
+                leftSection={<IconPlus size={16} aria-hidden />}
+              >
+                New experiment
+              </Button>
+              <SchemeSwitch />
+            </Group>
+          </Group>
+        </Container>
+      </AppShell.Header>
+      <AppShell.Main id="main" tabIndex={-1} style={{ outline: "none" }}>
+        <Container size={1440} py="lg">
+          <Outlet />
+        </Container>
+      </AppShell.Main>
+    </AppShell>
+  );
+}
+
+function HomeLink() {
+  return (
+    <Anchor
+      renderRoot={(props) => <Link to="/" {...props} />}
+      underline="never"
+      c="inherit"
+      aria-label="Dropflow: all experiments"
+    >
+      <Group gap={10} wrap="nowrap">
+        <Text span c="var(--mantine-color-anchor)" lh={0}>
+          <Logo />
+        </Text>
+        <Text span fw={650} fz="lg" lts="-0.01em">
+          Dropflow
+        </Text>
+      </Group>
+    </Anchor>
+  );
+}
+
+function SchemeSwitch() {
+  const { setColorScheme } = useMantineColorScheme();
+  const scheme = useComputedColorScheme("light");
+  const other = scheme === "dark" ? "light" : "dark";
+  return (
+    <ActionIcon
+      variant="subtle"
+      color="gray"
+      size="lg"
+      aria-label={`Use ${other} colours`}
+      onClick={() => setColorScheme(other)}
+    >
+      {scheme === "dark" ? <IconSun size={18} aria-hidden /> : <IconMoon size={18} aria-hidden />}
+    </ActionIcon>
+  );
+}

@@ -1,0 +1,92 @@
+import { Text, useComputedColorScheme } from "@mantine/core";
+import { useElementSize } from "@mantine/hooks";
+import { useEffect, useRef, useState } from "react";
+import { Loading } from "../platform/QueryView";
+import { captionOf, type Figure, fitted, type Layout, type Ranges, rangesFromRelayout } from "./figure";
+
+type PlotlyModule = typeof import("./plotly").default;
+
+type PlotProps = {
+  figure: Figure;
+  /** What is plotted, for those who do not see it and for the file name of an exported image. */
+  label: string;
+  height?: number;
+  ranges?: Ranges;
+  onRanges?: (changed: ReturnType<typeof rangesFromRelayout>) => void;
+};
+
+/** A figure of the API, drawn by Plotly, which comes with the first of them. */
+export function Plot({ figure, label, height = 420, ranges, onRanges }: PlotProps) {
+  const isDark = useComputedColorScheme("light") === "dark";
+  const { ref: box, width } = useElementSize();
+  const target = useRef<HTMLDivElement>(null);
+  const plotly = usePlotly();
+  const told = useRef(onRanges);
+  const drawn = useRef<Layout>({});
+  useEffect(() => {
+    told.current = onRanges;
+  }, [onRanges]);
+
+  useEffect(() => {
+    if (!plotly || !target.current || width === 0) return;
+    const { data, layout } = fitted(figure, { isDark, height, width, ranges });
+    drawn.current = layout;
+    void plotly.react(target.current, data as never, { ...layout, width } as never, configFor(label));
+  }, [plotly, figure, isDark, height, width, ranges, label]);
+
+  useEffect(() => {
+    const element = target.current as PlotlyElement | null;
+    if (!plotly || !element || width === 0) return;
+    const hear = (event: Record<string, unknown>) => told.current?.(rangesFromRelayout(event, drawn.current));
+    element.on?.("plotly_relayout", hear);
+    return () => element.removeListener?.("plotly_relayout", hear);
+  }, [plotly, width]);
+
+  useEffect(() => {
+    const element = target.current;
+    return () => {
+      if (plotly && element) plotly.purge(element);
+    };
+  }, [plotly]);
+
+  const caption = captionOf(figure);
+  return (
+    <figure style={{ margin: 0, minWidth: 0 }} aria-label={label}>
+      <div ref={box}>
+        {!plotly && <Loading rows={1} height={height} />}
+        <div ref={target} style={{ minHeight: plotly ? height : 0 }} />
+      </div>
+      {caption && (
+        <Text component="figcaption" fz="xs" c="dimmed">
+          {caption}
+        </Text>
+      )}
+    </figure>
+  );
+}
+
+type PlotlyElement = HTMLDivElement & {
+  on?: (event: string, handler: (event: Record<string, unknown>) => void) => void;
+  removeListener?: (event: string, handler: (event: Record<string, unknown>) => void) => void;
+};
+
+function configFor(label: string): object {
+  const filename = label.toLowerCase().replace(/[^a-z0-9]+/g, "-");
+  return {
+    displaylogo: false,
+    modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"],
+    toImageButtonOptions: { format: "svg", filename },
+  };
+}
+
+function usePlotly(): PlotlyModule | null {
+  const [plotly, setPlotly] = useState<PlotlyModule | null>(null);
+  useEffect(() => {
+    let isWanted = true;
+    void import("./plotly").then((module) => isWanted && setPlotly(() => module.default));
+    return () => {
+      isWanted = false;
+    };
+  }, []);
+  return plotly;
+}

@@ -1,0 +1,76 @@
+import { Button, SimpleGrid, Text } from "@mantine/core";
+import { useQuery } from "@tanstack/react-query";
+import { useMemo } from "react";
+import type { Run } from "../client";
+import { Panel } from "../platform/Panel";
+import { Loading, QueryView } from "../platform/QueryView";
+import { isActive } from "../runs/states";
+import { type Figure, withCommonColours } from "./figure";
+import { NotYet } from "./NotYet";
+import { Plot } from "./Plot";
+import { figureQuery } from "./queries";
+import { useSharedRanges } from "./view";
+
+const HEIGHT = 440;
+
+/** The size distribution over time before and after tracking; a zoom in one is a zoom in both. */
+export function SizesTab({ run }: { run: Run }) {
+  const isOver = !isActive(run.state);
+  const before = useQuery(figureQuery(run.id, "size_distribution_before", isOver));
+  const after = useQuery(figureQuery(run.id, "size_distribution_after", isOver));
+  const [left, right] = useMemo(
+    () => withCommonColours((before.data ?? null) as Figure | null, (after.data ?? null) as Figure | null),
+    [before.data, after.data],
+  );
+  const { time, radius, change, clear } = useSharedRanges();
+  const ranges = useMemo(() => ({ x: time, y: radius }), [time, radius]);
+  const plot = {
+    height: HEIGHT,
+    ranges,
+    onRanges: (changed: Parameters<typeof change>[0]) => change(changed, true),
+  };
+  return (
+    <Panel
+      title="Droplet size distribution"
+      about="Droplets per radius over time, on a logarithmic scale. Tracking takes out what appears only once or does not move as droplets do."
+      actions={
+        (time || radius) && (
+          <Button size="compact-sm" variant="default" onClick={clear}>
+            Show everything
+          </Button>
+        )
+      }
+    >
+      <SimpleGrid cols={{ base: 1, md: 2 }} spacing="md">
+        <div>
+          <Text fw={500} fz="sm" mb={4}>
+            Before tracking
+          </Text>
+          <QueryView query={before} loading={<Loading rows={1} height={HEIGHT} />}>
+            {() =>
+              left ? (
+                <Plot figure={left} label="Size distribution before tracking" {...plot} />
+              ) : (
+                <NotYet run={run} />
+              )
+            }
+          </QueryView>
+        </div>
+        <div>
+          <Text fw={500} fz="sm" mb={4}>
+            After tracking
+          </Text>
+          <QueryView query={after} loading={<Loading rows={1} height={HEIGHT} />}>
+            {() =>
+              right ? (
+                <Plot figure={right} label="Size distribution after tracking" {...plot} />
+              ) : (
+                <NotYet run={run} />
+              )
+            }
+          </QueryView>
+        </div>
+      </SimpleGrid>
+    </Panel>
+  );
+}

@@ -1,0 +1,131 @@
+/** The figures of the API, made to fit the page: its colours, its size, its ranges. All pure. */
+
+type Json = Record<string, unknown>;
+export type Trace = Json & {
+  type?: string;
+  zmin?: number;
+  zmax?: number;
+  colorbar?: Json;
+  showscale?: boolean;
+};
+export type Layout = Json & { annotations?: Json[] };
+export type Figure = { data: Trace[]; layout: Layout };
+
+export type Range = [number, number];
+export type Ranges = { x?: Range; y?: Range };
+
+export type Look = { isDark: boolean; height: number; width: number; ranges?: Ranges };
+
+const INK = { light: "#1f2328", dark: "#d5dade" };
+const LINE = { light: "#8b949e", dark: "#6b747c" };
+
+/** A figure in the page's colours and size. Its title and caption stand around it as text. */
+export function fitted({ data, layout }: Figure, look: Look): Figure {
+  const { title: _, width: __, ...rest } = layout;
+  const ink = look.isDark ? INK.dark : INK.light;
+  const isNarrow = look.width < 720;
+  const fittedLayout: Layout = {
+    ...rest,
+    autosize: true,
+    height: look.height,
+    paper_bgcolor: "rgba(0,0,0,0)",
+    plot_bgcolor: "rgba(0,0,0,0)",
+    font: { family: "Inter Variable, sans-serif", size: 12, color: ink },
+    margin: { l: 62, r: isNarrow ? 16 : marginRight(layout), t: 16, b: 48 },
+    legend: {
+      ...(layout.legend as Json),
+      ...legendPlace(layout, isNarrow),
+      bgcolor: "rgba(0,0,0,0)",
+      borderwidth: 0,
+    },
+    annotations: (layout.annotations ?? [])
+      .filter((note) => !isCaption(note))
+      .map((note) => inked(note, ink)),
+    dragmode: "zoom",
+  };
+  for (const name of Object.keys(layout).filter((key) => /^[xy]axis\d*$/.test(key))) {
+    fittedLayout[name] = fittedAxis(layout[name] as Json, name, look);
+  }
+  return { data: data.map((trace) => fittedTrace(trace, ink)), layout: fittedLayout };
+}
+
+function fittedAxis(axis: Json, name: string, look: Look): Json {
+  const colour = look.isDark ? LINE.dark : LINE.light;
+  const range = name === "xaxis" ? look.ranges?.x : name === "yaxis" ? look.ranges?.y : undefined;
+  const ranged = range
+    ? { range: axis.type === "log" ? range.map(Math.log10) : range, autorange: false }
+    : {};
+  return { ...axis, linecolor: colour, tickcolor: colour, automargin: true, ...ranged };
+}
+
+function fittedTrace(trace: Trace, ink: string): Trace {
+  if (!trace.colorbar) return trace;
+  return {
+    ...trace,
+    colorbar: { ...trace.colorbar, outlinecolor: ink, tickcolor: ink, thickness: 14, len: 1 },
+  };
+}
+
+function inked(note: Json, ink: string): Json {
+  return { ...note, font: { ...(note.font as Json), color: ink } };
+}
+
+/** Room that the figure itself asked for beside its axes, for a legend there. */
+function marginRight(layout: Layout): number {
+  const margin = layout.margin as { r?: number } | undefined;
+  return Math.max(16, margin?.r ?? 16);
+}
+
+function legendPlace(layout: Layout, isNarrow: boolean): Json {
+  const isBeside = marginRight(layout) > 100;
+  return isBeside && isNarrow ? { orientation: "h", x: 0, y: -0.12, xanchor: "left", yanchor: "top" } : {};
+}
+
+/** The line below the axes that says where a figure comes from. */
+function isCaption(note: Json): boolean {
+  return note.yref === "paper" && note.y === 0 && typeof note.yshift === "number" && note.yshift < 0;
+}
+
+export function captionOf({ layout }: Figure): string {
+  const text = (layout.annotations ?? []).find(isCaption)?.text;
+  return typeof text === "string" ? text.replace(/<br>/g, " ") : "";
+}
+
+/** The same colours for the same values in both: the widest scale of the two, one colour bar. */
+export function withCommonColours(left: Figure | null, right: Figure | null): [Figure | null, Figure | null] {
+  const scaled = [left, right].flatMap(
+    (figure) => figure?.data.filter(({ zmin }) => zmin !== undefined) ?? [],
+  );
+  if (!left || !right || scaled.length < 2) return [left, right];
+  const zmin = Math.min(...scaled.map((trace) => trace.zmin as number));
+  const zmax = Math.max(...scaled.map((trace) => trace.zmax as number));
+  const widest = scaled.reduce((best, trace) => (span(trace) > span(best) ? trace : best));
+  const recolour = (figure: Figure, showscale: boolean): Figure => ({
+    ...figure,
+    data: figure.data.map((trace) =>
+      trace.zmin === undefined ? trace : { ...trace, zmin, zmax, showscale, colorbar: widest.colorbar },
+    ),
+  });
+  return [recolour(left, false), recolour(right, true)];
+}
+
+function span(trace: Trace): number {
+  return (trace.zmax ?? 0) - (trace.zmin ?? 0);
+}
+
+/** What a zoom by hand says of the ranges; `null` where it was taken back. Log axes speak in exponents. */
+export function rangesFromRelayout(event: Json, layout: Layout): { x?: Range | null; y?: Range | null } {
+  const changed: { x?: Range | null; y?: Range | null } = {};
+  for (const axis of ["x", "y"] as const) {
+    const name = `${axis}axis`;
+    const isLog = (layout[name] as Json | undefined)?.type === "log";
+    const [low, high] = (event[`${name}.range`] as Range | undefined) ?? [
+      event[`${name}.range[0]`],
+      event[`${name}.range[1]`],
+    ];
+    if (typeof low === "number" && typeof high === "number") {
+      changed[axis] = isLog ? [10 ** low, 10 ** high] : [low, high];
+    } else if (event[`${name}.autorange`] === true) changed[axis] = null;
+  }
+  return changed;
+}

@@ -1,0 +1,53 @@
+import { createRootRoute, createRoute, createRouter, lazyRouteComponent } from "@tanstack/react-router";
+import { ExperimentsPage } from "./experiments/ExperimentsPage";
+import { mountPath } from "./platform/base";
+import { NothingHere } from "./platform/NothingHere";
+import { PageError } from "./platform/PageError";
+import { Shell } from "./platform/Shell";
+import { frameOf, runSearch } from "./results/view";
+
+const root = createRootRoute({ component: Shell, notFoundComponent: NothingHere, errorComponent: PageError });
+
+const experiments = createRoute({ getParentRoute: () => root, path: "/", component: ExperimentsPage });
+
+const newExperiment = createRoute({
+  getParentRoute: () => root,
+  path: "/experiments/new",
+  component: lazyRouteComponent(() => import("./experiments/NewExperimentPage"), "NewExperimentPage"),
+});
+
+const experiment = createRoute({
+  getParentRoute: () => root,
+  path: "/experiments/$experimentId",
+  validateSearch: (search: Record<string, unknown>): { frame?: number } => ({ frame: frameOf(search) }),
+  component: lazyRouteComponent(() => import("./experiments/ExperimentPage"), "ExperimentPage"),
+});
+
+const newRun = createRoute({
+  getParentRoute: () => root,
+  path: "/experiments/$experimentId/analyse",
+  validateSearch: (search: Record<string, unknown>): { from?: string } => ({
+    from: typeof search.from === "string" ? search.from : undefined,
+  }),
+  component: lazyRouteComponent(() => import("./runs/NewRunPage"), "NewRunPage"),
+});
+
+const run = createRoute({
+  getParentRoute: () => root,
+  path: "/runs/$runId",
+  validateSearch: runSearch,
+  component: lazyRouteComponent(() => import("./runs/RunPage"), "RunPage"),
+});
+
+export const router = createRouter({
+  routeTree: root.addChildren([experiments, newExperiment, experiment, newRun, run]),
+  basepath: mountPath,
+  defaultPreload: "intent",
+  scrollRestoration: true,
+});
+
+declare module "@tanstack/react-router" {
+  interface Register {
+    router: typeof router;
+  }
+}

@@ -1,0 +1,121 @@
+import { Anchor, Button, Group, Stack, Text } from "@mantine/core";
+import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
+import { getRouteApi, Link, useNavigate } from "@tanstack/react-router";
+import { type FormEvent, useMemo, useRef, useState } from "react";
+import { runsCreate } from "../client";
+import { experimentQuery } from "../experiments/queries";
+import { check } from "../forms/check";
+import { type Document, defaultsOf } from "../forms/document";
+import { focusFirstInvalid } from "../forms/focus";
+import { fieldsOf, type JsonSchema } from "../forms/schema";
+import { Page } from "../platform/Page";
+import { ProblemAlert } from "../platform/ProblemAlert";
+import { fieldMessages, toProblem } from "../platform/problem";
+import { Loading, QueryView } from "../platform/QueryView";
+import { ParameterForm } from "./ParameterForm";
+import { parameterSchemaQuery, runQuery } from "./queries";
+
+const route = getRouteApi("/experiments/$experimentId/analyse");
+
+/** Choose parameters and start a run; `from` in the address names a run whose parameters to begin with. */
+export function NewRunPage() {
+  const { experimentId } = route.useParams();
+  const { from } = route.useSearch();
+  const experiment = useQuery(experimentQuery(experimentId));
+  const schema = useQuery(parameterSchemaQuery);
+  const model = useQuery({ ...runQuery(from ?? ""), enabled: from !== undefined });
+  const name = String(experiment.data?.experiment.name ?? "Experiment");
+  const above = [
+    <Anchor key="list" inherit renderRoot={(props) => <Link to="/" {...props} />}>
+      Experiments
+    </Anchor>,
+    <Anchor
+      key="experiment"
+      inherit
+      renderRoot={(props) => <Link to="/experiments/$experimentId" params={{ experimentId }} {...props} />}
+    >
+      {name}
+    </Anchor>,
+  ];
+  return (
+    <Page title="New run" above={above}>
+      <QueryView query={schema} loading={<Loading rows={6} height={48} />}>
+        {(loaded) =>
+          from === undefined ? (
+            <NewRun experimentId={experimentId} schema={loaded as JsonSchema} />
+          ) : (
+            <QueryView query={model}>
+              {(run) => (
+                <NewRun
+                  experimentId={experimentId}
+                  schema={loaded as JsonSchema}
+                  begin={run.parameters}
+                  origin={`Begins with the parameters of run ${run.number}.`}
+                />
+              )}
+            </QueryView>
+          )
+        }
+      </QueryView>
+    </Page>
+  );
+}
+
+type NewRunProps = { experimentId: string; schema: JsonSchema; begin?: Document; origin?: string };
+
+function NewRun({ experimentId, schema, begin, origin }: NewRunProps) {
+  const fields = useMemo(() => fieldsOf(schema), [schema]);
+  const defaults = useMemo(() => defaultsOf(fields), [fields]);
+  const form = useRef<HTMLFormElement>(null);
+  const [document, setDocument] = useState<Document>(begin ?? defaults);
+  const start = useStartRun(experimentId);
+  const problem = start.error ? toProblem(start.error) : null;
+  const messages = { ...fieldMessages(problem), ...check(fields, document) };
+
+  const submit = (event: FormEvent) => {
+    event.preventDefault();
+    if (Object.keys(check(fields, document)).length > 0) return focusFirstInvalid(form);
+    start.mutate(document, { onError: () => focusFirstInvalid(form) });
+  };
+  const change = (next: Document) => {
+    if (start.error) start.reset();
+    setDocument(next);
+  };
+
+  return (
+    <form ref={form} onSubmit={submit} noValidate>
+      <Stack gap="md">
+        <Group justify="space-between">
+          <Text c="dimmed" fz="sm" maw={640}>
+            {origin ?? "These are the paper’s values: a good first run."} Each stage whose parameters did not
+            change is taken from earlier runs.
+          </Text>
+          <Group gap="xs">
+            <Button variant="default" onClick={() => change(defaults)}>
+              All to defaults
+            </Button>
+            <Button type="submit" loading={start.isPending}>
+              Start the run
+            </Button>
+          </Group>
+        </Group>
+        {problem && <ProblemAlert problem={problem} title="The run was not started" />}
+        <ParameterForm fields={fields} document={document} onChange={change} messages={messages} />
+      </Stack>
+    </form>
+  );
+}
+
+function useStartRun(experimentId: string) {
+  const cache = useQueryClient();
+  const navigate = useNavigate();
+  return useMutation({
+    mutationFn: async (parameters: Document) =>
+      (await runsCreate({ path: { experiment_id: experimentId }, body: { parameters } })).data,
+    onSuccess: (run) => {
+      cache.setQueryData(["runs", run.id], run);
+      void cache.invalidateQueries({ queryKey: ["experiments"] });
+      void navigate({ to: "/runs/$runId", params: { runId: run.id } });
+    },
+  });
+}

@@ -1,0 +1,81 @@
+import { Badge, Button, Collapse, Grid, Stack, Text } from "@mantine/core";
+import { IconChevronDown, IconChevronRight } from "@tabler/icons-react";
+import { useState } from "react";
+import { type Document, valueAt } from "../forms/document";
+import { SchemaForm } from "../forms/SchemaForm";
+import type { Field } from "../forms/schema";
+import { plural } from "../platform/format";
+import { Panel } from "../platform/Panel";
+import { Prose } from "../platform/Prose";
+
+type ParameterFormProps = {
+  fields: Field[];
+  document: Document;
+  onChange: (document: Document) => void;
+  messages: Record<string, string>;
+};
+
+/** Every knob, one panel a stage; the constants of a method are folded away until they are wanted. */
+export function ParameterForm({ fields, ...form }: ParameterFormProps) {
+  return (
+    <Grid gap="md">
+      {fields.map((stage) => (
+        <Grid.Col key={stage.path} span={{ base: 12, md: 4 }}>
+          <StagePanel stage={stage} {...form} />
+        </Grid.Col>
+      ))}
+    </Grid>
+  );
+}
+
+function StagePanel({ stage, ...form }: Omit<ParameterFormProps, "fields"> & { stage: Field }) {
+  const fields = stage.input.kind === "group" ? stage.input.fields : [stage];
+  const plain = fields.filter(({ input }) => input.kind !== "group");
+  const nested = fields.filter(({ input }) => input.kind === "group");
+  return (
+    <Panel title={stage.label} about={<Prose text={stage.help} />}>
+      <SchemaForm fields={plain} {...form} />
+      {nested.map((group) => (
+        <Constants key={group.path} group={group} {...form} />
+      ))}
+    </Panel>
+  );
+}
+
+function Constants({ group, ...form }: Omit<ParameterFormProps, "fields"> & { group: Field }) {
+  const fields = group.input.kind === "group" ? group.input.fields : [];
+  const n_changed = fields.filter((field) => isChanged(field, form.document)).length;
+  const hasMessage = fields.some(({ path }) => form.messages[path]);
+  const [isOpened, setOpened] = useState(false);
+  const isOpen = isOpened || hasMessage;
+  return (
+    <Stack gap="xs">
+      <Button
+        variant="default"
+        size="xs"
+        justify="space-between"
+        fullWidth
+        aria-expanded={isOpen}
+        onClick={() => setOpened(!isOpen)}
+        leftSection={
+          isOpen ? <IconChevronDown size={16} aria-hidden /> : <IconChevronRight size={16} aria-hidden />
+        }
+        rightSection={n_changed > 0 && <Badge size="sm" tt="none">{`${n_changed} changed`}</Badge>}
+      >
+        {plural(fields.length, "constant")} of the method
+      </Button>
+      <Collapse expanded={isOpen}>
+        <Stack gap="sm">
+          <Text fz="xs" c="dimmed">
+            <Prose text={group.help} />
+          </Text>
+          <SchemaForm fields={fields} {...form} />
+        </Stack>
+      </Collapse>
+    </Stack>
+  );
+}
+
+function isChanged({ path, fallback }: Field, document: Document): boolean {
+  return fallback !== undefined && JSON.stringify(valueAt(document, path)) !== JSON.stringify(fallback);
+}

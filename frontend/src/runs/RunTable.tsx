@@ -1,0 +1,82 @@
+import { Anchor, Group, Progress, Table, Text } from "@mantine/core";
+import { Link } from "@tanstack/react-router";
+import type { Run } from "../client";
+import { formatCount } from "../platform/format";
+import { Moment } from "../platform/Moment";
+import { differing } from "./differing";
+import { RunName, StateBadge } from "./RunBadges";
+import { doneShare, isActive } from "./states";
+import { nDroplets } from "./summary";
+
+/** The runs of an experiment; of their parameters only what tells them apart. */
+export function RunTable({ runs }: { runs: Run[] }) {
+  const differences = differing(runs.map(({ parameters }) => parameters));
+  return (
+    <Table.ScrollContainer minWidth={560} type="native" tabIndex={0} role="region" aria-label="Runs">
+      <Table verticalSpacing="xs" highlightOnHover>
+        <Table.Thead>
+          <Table.Tr>
+            <Table.Th>Run</Table.Th>
+            <Table.Th>State</Table.Th>
+            {runs.length > 1 && <Table.Th>Parameters that differ</Table.Th>}
+            <Table.Th ta="right">Droplets</Table.Th>
+            <Table.Th>Started</Table.Th>
+          </Table.Tr>
+        </Table.Thead>
+        <Table.Tbody>
+          {runs.map((run, index) => (
+            <Table.Tr key={run.id}>
+              <Table.Td>
+                <Anchor
+                  renderRoot={(props) => <Link to="/runs/$runId" params={{ runId: run.id }} {...props} />}
+                >
+                  <RunName number={run.number} />
+                </Anchor>
+              </Table.Td>
+              <Table.Td>
+                <RunState run={run} />
+              </Table.Td>
+              {runs.length > 1 && (
+                <Table.Td>
+                  <Differences of={differences[index] ?? []} />
+                </Table.Td>
+              )}
+              <Table.Td ta="right">{formatCount(nDroplets(run.summary))}</Table.Td>
+              <Table.Td>
+                <Moment time={run.created_at} isShort />
+              </Table.Td>
+            </Table.Tr>
+          ))}
+        </Table.Tbody>
+      </Table>
+    </Table.ScrollContainer>
+  );
+}
+
+function RunState({ run }: { run: Run }) {
+  if (!isActive(run.state)) return <StateBadge state={run.state} />;
+  const percent = Math.floor(100 * doneShare(run.stages));
+  return (
+    <Group gap="xs" wrap="nowrap">
+      <StateBadge state={run.state} />
+      <Progress value={percent} w={80} size="sm" aria-label={`Run ${run.number}: ${percent} % done`} />
+      <Text fz="xs" c="dimmed" className="numbers">
+        {percent} %
+      </Text>
+    </Group>
+  );
+}
+
+function Differences({ of }: { of: { path: string; label: string; value: string }[] }) {
+  if (of.length === 0)
+    return (
+      <Text fz="sm" c="dimmed">
+        none
+      </Text>
+    );
+  return of.map(({ path, label, value }) => (
+    <Text key={path} fz="sm">
+      {label}: <b>{value}</b>
+    </Text>
+  ));
+}

@@ -1,0 +1,14 @@
+import react from "@vitejs/plugin-react";
+import { defineConfig } from "vitest/config";
+
+const apiPort = process.env.API_PORT ?? "8000";
+
+export default defineConfig({
+  // Relative addresses: the page works under any prefix (see index.html for the one thing the server sets).
+  base: "./",
+  plugins: [react()],
+  server: { host: "127.0.0.1", proxy: { "/api": `http://127.0.0.1:${apiPort}` } },
+  // Plotly is one chunk of its own, loaded with the first plot.
+  build: { chunkSizeWarningLimit: 2500, target: "es2022" },
+  test: { environment: "jsdom", include: ["src/**/*.test.{ts,tsx}"], setupFiles: ["src/testing.ts"] },
+});
