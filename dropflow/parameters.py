@@ -113,7 +113,8 @@ class PaperTracking(StrictModel):
     """A droplet is looked for up to this far from its predicted place (or one radius, if that is more). Half of the
     mean spacing sqrt(frame area / droplets) is where another droplet becomes as likely as the right one."""
     stationary_fraction: float = knob(0.5, unit="1", low=0.0, high=1.0, paper=0.5, section="3.3.3")
-    """Trajectories that moved less than this part of the mean advection over their time are taken for dirt."""
+    """Trajectories that moved less than this part of what flow and sedimentation predict for their place, size and
+    time are taken for dirt."""
 
     @model_validator(mode="after")
     def _ratios_in_order(self) -> "PaperTracking":

@@ -38,8 +38,8 @@ def draw_overlay(
     """
     grey = _stretched(frame)
     if scale > 1:
-        grey = cv2.resize(grey, None, fx=scale, fy=scale, interpolation=cv2.INTER_CUBIC)
-    picture: Picture = cv2.cvtColor(grey, cv2.COLOR_GRAY2RGB)
+        grey = np.asarray(cv2.resize(grey, None, fx=scale, fy=scale, interpolation=cv2.INTER_CUBIC), np.uint8)
+    picture = np.asarray(cv2.cvtColor(grey, cv2.COLOR_GRAY2RGB), np.uint8)
     colours = _colours(droplets.match)
     offset = (scale - 1) / 2
     for i in np.argsort(droplets.match, kind="stable"):
@@ -56,7 +56,7 @@ def _stretched(frame: npt.NDArray[Any]) -> Picture:
     low, high = np.percentile(levels, [0.5, 99.8])
     if high <= low:
         low, high = float(levels.min()), float(levels.max())
-    return np.clip((levels - low) * (255 / max(high - low, 1e-9)), 0, 255).astype(np.uint8)
+    return np.asarray(np.clip((levels - low) * (255 / max(high - low, 1e-9)), 0, 255), np.uint8)
 
 
 def _colours(match: npt.NDArray[np.float64]) -> Picture:
@@ -65,7 +65,7 @@ def _colours(match: npt.NDArray[np.float64]) -> Picture:
         return np.empty((0, 3), np.uint8)
     span = max(float(np.ptp(match)), 1e-9)
     levels = np.rint(60 + 195 * (match - match.min()) / span).astype(np.uint8)
-    return cv2.applyColorMap(levels[:, None], cv2.COLORMAP_VIRIDIS)[:, 0, ::-1]
+    return np.asarray(cv2.applyColorMap(levels[:, None], cv2.COLORMAP_VIRIDIS)[:, 0, ::-1], np.uint8)
 
 
 def _fixed(value: float) -> int:

@@ -18,7 +18,9 @@ def percentiles(image: Image, percent: Sequence[float]) -> list[float]:
     low, high, _, _ = cv2.minMaxLoc(image)
     if not low < high:
         return [float(low)] * len(percent)
-    counts = cv2.calcHist([image], [0], None, [N_BINS], [low, float(np.nextafter(np.float32(high), np.float32(np.inf)))])
+    counts = cv2.calcHist(
+        [image], [0], None, [N_BINS], [low, float(np.nextafter(np.float32(high), np.float32(np.inf)))]
+    )
     up_to = np.concatenate([[0.0], np.cumsum(counts.ravel(), dtype=np.float64)])
     wanted = np.asarray(percent) / 100 * up_to[-1]
     edges = np.linspace(low, high, N_BINS + 1)

@@ -1,8 +1,10 @@
 """What is measured once per stack, stored, and handed to every shard, so that all frames are treated alike."""
 
+from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any, Protocol
+from zipfile import BadZipFile
 
 import numpy as np
 import numpy.typing as npt
@@ -39,10 +41,12 @@ class StackEstimate:
     def load(file: Path | IO[bytes]) -> "StackEstimate":
         """Read what `save` wrote. Raises `ResultsError` for any other file."""
         try:
-            with np.load(file, allow_pickle=False) as archive:
+            # numpy leaves a file that it opened by itself open when it is no archive.
+            with nullcontext(file) if not isinstance(file, Path) else file.open("rb") as opened:
+                archive = np.load(opened, allow_pickle=False)
                 rows, columns = (int(side) for side in archive["shape"])
                 flat = archive["flat_field"]
-        except (OSError, KeyError, ValueError, AttributeError) as problem:
+        except (OSError, EOFError, KeyError, ValueError, IndexError, BadZipFile) as problem:
             name = str(file) if isinstance(file, Path) else None
             message = "This is no stack estimate."
             raise ResultsError(message, file=name, hint="Run the analysis again from the start.") from problem
@@ -87,7 +91,8 @@ def normalised_flat_field(flat_field: npt.NDArray[Any], shape: tuple[int, int]) 
     if flat_field.min() <= 0:
         n_dark = int(np.count_nonzero(flat_field <= 0))
         raise _flat_field_error(f"has {n_dark} pixels that are not positive: frames are divided by it, so give none")
-    return (flat_field / flat_field.mean(dtype=np.float64)).astype(np.float32)
+    normalised: npt.NDArray[np.float32] = (flat_field / flat_field.mean(dtype=np.float64)).astype(np.float32)
+    return normalised
 
 
 def _flat_field_error(problem: str) -> ExperimentError:

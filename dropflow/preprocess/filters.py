@@ -10,7 +10,7 @@ import numpy.typing as npt
 Image = npt.NDArray[np.float32]
 
 REDUCED_SIGMA = 4.0
-"""A blur is done on a frame reduced until its sigma is about this many pixels: wide ones cost as little as narrow ones."""
+"""A blur is done on a frame reduced until its sigma is about this many pixels: a wide one costs as little as a narrow."""
 
 
 @dataclass(frozen=True)
@@ -65,9 +65,8 @@ def smooth(image: Image, blur: Blur) -> Image:
     small_columns, rest_x = _reduction(columns, blur.sigma_x)
     small_rows, rest_y = _reduction(rows, blur.sigma_y)
     small = cv2.resize(image, (small_columns, small_rows), interpolation=cv2.INTER_AREA)
-    cv2.GaussianBlur(small, (0, 0), sigmaX=rest_x, sigmaY=rest_y, dst=small, borderType=cv2.BORDER_REFLECT)
-    blurred: Image = cv2.resize(small, (columns, rows), interpolation=cv2.INTER_LINEAR)
-    return blurred
+    blurred = cv2.GaussianBlur(small, (0, 0), sigmaX=rest_x, sigmaY=rest_y, borderType=cv2.BORDER_REFLECT)
+    return np.asarray(cv2.resize(blurred, (columns, rows), interpolation=cv2.INTER_LINEAR), np.float32)
 
 
 def _reduction(side: int, sigma: float) -> tuple[int, float]:

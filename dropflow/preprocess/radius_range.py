@@ -25,7 +25,9 @@ def radius_range_px(experiment: Experiment, parameters: Parameters, shape: tuple
         told += f"measured: give at least {SMALLEST_RADIUS_PX * pixel:.4g} um, or correct pixel_size_um ({pixel:g} um)"
         problems.append(FieldProblem("detection.radius_min_um", told))
     if r_max_px > largest_px:
-        told = f"{detection.radius_max_um:g} um is {r_max_px:.4g} px, but the frames of {shape[0]} x {shape[1]} px hold "
+        told = (
+            f"{detection.radius_max_um:g} um is {r_max_px:.4g} px, but the frames of {shape[0]} x {shape[1]} px hold "
+        )
         told += f"no more than {largest_px:g} px: give at most {largest_px * pixel:.4g} um, "
         told += f"or correct pixel_size_um ({pixel:g} um)"
         problems.append(FieldProblem("detection.radius_max_um", told))

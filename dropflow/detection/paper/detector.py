@@ -75,7 +75,7 @@ class PaperDetector:
     def candidates(self, image: Image) -> Circles:
         """Circles of both strategies (section 3.1.2): thresholds for small and for big droplets, and watershed."""
         factor = 2 if self.r_min_px >= HALVED_FROM_PX else 1
-        small = image if factor == 1 else cv2.resize(image, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA)
+        small = image if factor == 1 else _halved(image)
         # A strategy's radius is a first guess: it may leave the range as far as a similar radius goes.
         r_min_px = self.r_min_px * self.knobs.similar_ratio_min / factor
         r_max_px = self.r_max_px * self.knobs.similar_ratio_max / factor
@@ -115,3 +115,7 @@ class PaperDetector:
         r_px = circles.r_px
         x_std, r_std = position_std_px(r_px), radius_std_px(r_px)
         return Droplets(circles.x_px, circles.y_px, r_px, x_std, r_std, probability(finite), finite)
+
+
+def _halved(image: Image) -> Image:
+    return np.asarray(cv2.resize(image, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA), np.float32)

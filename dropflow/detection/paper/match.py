@@ -94,7 +94,7 @@ def _match_at(image: Image, x: float, y: float, r: float, constants: Constants) 
             half = sqrt(inside * inside - dy * dy)
             core, core_end = max(first, ceil(x - half)), min(last, floor(x + half))
             if core <= core_end:
-                total = np.float32(0.0)
+                total = 0.0
                 for column in range(core, core_end + 1):
                     total += image[row, column]
                 disk_sum += total
@@ -122,7 +122,7 @@ def _match_at(image: Image, x: float, y: float, r: float, constants: Constants) 
         centre_y += row_weight * dy
     if disk_weight < 1e-6 or ring_weight < 1e-6:
         return NOWHERE
-    gain = (disk_sum / disk_weight - ring_sum / ring_weight) / (offset + r**exponent)
+    gain: float = (disk_sum / disk_weight - ring_sum / ring_weight) / (offset + r**exponent)
     if ring_sum <= 0.0:
         return gain
     shift_x = ring_x / ring_sum - centre_x / ring_weight
@@ -154,6 +154,8 @@ def _climb_all(
             before = best
             for axis in range(3):
                 best = _try_axis(image, here, axis, step, is_last, best, r_low, r_high, constants)
+            if best <= before:
+                best = _try_growing_sideways(image, here, step, best, r_low, r_high, constants)
             if best <= before or (is_last and best - before < 1e-4):
                 if is_last:
                     break
@@ -188,4 +190,24 @@ def _try_axis(
             if vertex > best:
                 best, best_at = vertex, here[axis]
     here[axis] = best_at
+    return best
+
+
+@numba.njit(cache=True, nogil=True)
+def _try_growing_sideways(
+    image: Image, here: Column, step: float, best: float, r_low: float, r_high: float, constants: Constants
+) -> float:
+    """Move along x or y and change the radius at once: a circle that touches the edge from inside can only grow so."""
+    start_x, start_y, start_r = here
+    best_x, best_y, best_r = start_x, start_y, start_r
+    for way in range(8):
+        sideways = step if way & 1 else -step
+        x, y = (start_x + sideways, start_y) if way & 2 else (start_x, start_y + sideways)
+        r = start_r + (step if way & 4 else -step)
+        if not r_low <= r <= r_high:
+            continue
+        value = _match_at(image, x, y, r, constants)
+        if value > best:
+            best, best_x, best_y, best_r = value, x, y, r
+    here[0], here[1], here[2] = best_x, best_y, best_r
     return best

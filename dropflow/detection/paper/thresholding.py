@@ -69,18 +69,19 @@ def find_by_threshold(image: Image, level: float, *, r_min_px: float, r_max_px: 
     _fill_isolated_background(droplets, max_area_px=np.pi * r_max_px**2)
     if not droplets.any() or droplets.all():
         return Circles.none()
-    distance = cv2.distanceTransform(droplets, cv2.DIST_L2, cv2.DIST_MASK_5)
+    distance = np.asarray(cv2.distanceTransform(droplets, cv2.DIST_L2, cv2.DIST_MASK_5), np.float32)
     return _maxima(distance, r_min_px=r_min_px, r_max_px=r_max_px)
 
 
 def _fill_isolated_background(droplets: Mask, max_area_px: float) -> None:
     """Count background wholly surrounded by droplets, and no larger than the largest droplet, as droplet (in place)."""
     contours, hierarchy = cv2.findContours(droplets, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_SIMPLE)
-    if hierarchy is None:
+    if not contours:
         return
-    holes = [i for i in np.flatnonzero(hierarchy[0, :, 3] >= 0) if cv2.contourArea(contours[i]) <= max_area_px]
-    for i in holes:
-        cv2.drawContours(droplets, contours, int(i), 1, thickness=cv2.FILLED)
+    is_hole = hierarchy[0, :, 3] >= 0
+    for i, contour in enumerate(contours):
+        if is_hole[i] and cv2.contourArea(contour) <= max_area_px:
+            cv2.drawContours(droplets, contours, i, (1,), thickness=cv2.FILLED)
 
 
 def _maxima(distance: Image, *, r_min_px: float, r_max_px: float) -> Circles:
@@ -95,4 +96,5 @@ def _maxima(distance: Image, *, r_min_px: float, r_max_px: float) -> Circles:
     radius = np.zeros(n_labels)
     radius[labels[rows, columns]] = distance[rows, columns]
     # The distance is to the centre of the nearest background pixel; the edge is half a pixel nearer.
-    return Circles(centroids[1:, 0], centroids[1:, 1], radius[1:] - 0.5)
+    x_px, y_px = np.asarray(centroids[1:], np.float64).T
+    return Circles(x_px, y_px, radius[1:] - 0.5)
