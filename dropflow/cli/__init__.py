@@ -6,6 +6,8 @@ import typer
 
 from dropflow.cli.analyse import analyse
 from dropflow.cli.detect import detect
+from dropflow.cli.score import score
+from dropflow.cli.simulate import simulate
 from dropflow.errors import DropflowError
 from dropflow.provenance import code_version
 
@@ -19,6 +21,8 @@ app = typer.Typer(
 )
 app.command()(analyse)
 app.command()(detect)
+app.command()(simulate)
+app.command()(score)
 
 
 def _show_version(is_wanted: bool) -> None:
