@@ -1,0 +1,102 @@
+"""Backward tracking over the whole film, and the verdict on each trajectory (sections 3.3.2 and 3.3.3)."""
+
+from dataclasses import replace
+
+import numpy as np
+import pyarrow as pa
+
+from dropflow.tracking.backward import retreat
+from dropflow.tracking.chain import PaperChain
+from dropflow.tracking.checkpoint import Arrays, Spool
+from dropflow.tracking.film import Film
+from dropflow.tracking.filtering import VERDICTS, Trails
+from dropflow.tracking.flow import FlowField
+from dropflow.tracking.front import Front
+from dropflow.tracking.identification import Indices
+from dropflow.tracking.saving import load_columns, load_flow, load_front, save_columns, save_flow, save_front
+from dropflow.tracking.stages import Tick
+
+
+class BackwardPass:
+    """From the last frame to the first, over the rows that forward tracking wrote.
+
+    A trajectory is complete, and its verdict known, one frame before it begins. The verdicts of a part are those of
+    the trajectories found complete while it was walked: they begin in the part's frames or in the one after.
+    """
+
+    name = "backward"
+
+    def __init__(self, film: Film, chain: PaperChain, found: Spool, rows: Spool, verdicts: Spool) -> None:
+        self._film = film
+        self._chain = chain
+        self._found = found
+        self._rows = rows
+        self._verdicts = verdicts
+        self._front = Front.empty()
+        self._trails = Trails.begin(self._front, film.n_frames)
+        self._flow: FlowField | None = None
+        self._merged = np.empty((0, 2), np.int64)
+        self.n_parts = film.n_parts
+
+    def n_frames_of(self, turn: int) -> int:
+        """Frames of one part."""
+        return len(self._film.frames_of(self.n_parts - 1 - turn))
+
+    def run(self, turn: int, tick: Tick) -> None:
+        """Track back through the frames of one part."""
+        part = self.n_parts - 1 - turn
+        found = self._found.read(part)
+        frames = found["frame"].to_numpy()
+        tables: list[pa.Table] = []
+        complete: list[Trails] = []
+        for frame in reversed(self._film.frames_of(part)):
+            start, stop = np.searchsorted(frames, [frame, frame + 1])
+            complete.append(self._step_to(frame, Front.from_table(found.slice(start, stop - start))))
+            tables.append(self._front.to_table(frame))
+            tick()
+        if part == 0:
+            complete.append(self._trails)
+        self._rows.write(part, pa.concat_tables(tables[::-1]))
+        verdicts = [trails.to_verdicts(self._chain.judge(trails)) for trails in complete]
+        self._verdicts.write(part, pa.concat_tables([VERDICTS.empty_table(), *verdicts]))
+
+    def _step_to(self, frame: int, found: Front) -> Trails:
+        """Go back to `frame`; return the trails of the trajectories that begin in the frame after it."""
+        earlier = replace(found, trajectory_id=self._renamed(found.trajectory_id)).sorted()
+        predicted_step_px = np.zeros((2, len(earlier)))
+        if frame + 1 < self._film.n_frames:
+            dt_s = self._film.dt_s(frame)
+            step = retreat(self._front, earlier, self._film.look_at(frame), self._chain, self._flow, dt_s)
+            earlier = step.front
+            self._merged = np.concatenate([self._merged, np.column_stack([step.merged, step.merged_into])])
+            self._flow = step.flow if step.flow.is_known else self._flow
+            predicted_step_px = self._chain.motion.step_px(earlier.droplets, step.flow, dt_s)
+        self._front = earlier
+        self._trails, complete = self._trails.extend(earlier, frame, predicted_step_px)
+        return complete
+
+    def _renamed(self, found_ids: Indices) -> Indices:
+        """The ids that trajectories have by now; what has no more rows to come is forgotten."""
+        self._merged = self._merged[np.isin(self._merged[:, 0], found_ids)]
+        order = np.argsort(self._merged[:, 0])
+        known, names = self._merged[order].T
+        if not len(known):
+            return found_ids
+        at = np.minimum(np.searchsorted(known, found_ids), len(known) - 1)
+        return np.where(known[at] == found_ids, names[at], found_ids)
+
+    def state(self) -> Arrays:
+        """Where the trajectories are, what became of their names, and how far each was followed."""
+        return {
+            **save_front("front", self._front),
+            **save_columns("trails", self._trails),
+            **save_flow("flow", self._flow),
+            "merged": self._merged,
+        }
+
+    def restore(self, arrays: Arrays) -> None:
+        """Go on from `arrays`."""
+        self._front = load_front("front", arrays)
+        self._trails = load_columns("trails", Trails, arrays)
+        self._flow = load_flow("flow", arrays, self._chain.grid)
+        self._merged = arrays["merged"]

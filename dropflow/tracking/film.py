@@ -1,0 +1,88 @@
+"""What tracking is given: times, detections and images of a film, frame by frame."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+
+import numpy as np
+import numpy.typing as npt
+
+from dropflow.detection.contract import Detector
+from dropflow.droplets import Droplets
+from dropflow.errors import ExperimentError, FieldProblem, ResultsError
+from dropflow.frames import Frames
+from dropflow.tracking.follow import Look
+
+FRAMES_PER_PART = 32
+"""After so many frames the state is saved."""
+
+
+@dataclass(frozen=True)
+class Film:
+    """A film whose droplets were detected."""
+
+    times_s: npt.NDArray[np.float64]
+    """Of each frame, shape (n_frames,)."""
+    detections: Callable[[int], Droplets]
+    frames: Frames | None
+    """None where only detections are tracked and no image is looked at."""
+    detector: Detector | None
+
+    def __post_init__(self) -> None:
+        times_s = np.asarray(self.times_s)
+        if times_s.ndim != 1 or not len(times_s):
+            raise ResultsError("There is no frame to track droplets in.", code="results.no_frames")
+        wrong = np.flatnonzero(~np.isfinite(times_s) | np.append(False, ~(np.diff(times_s) > 0)))
+        if len(wrong):
+            frame = int(wrong[0])
+            raise ExperimentError(
+                "Time must go forward.",
+                code="experiment.times_not_increasing",
+                frame=frame,
+                fields=[FieldProblem("timestamps", f"frame {frame} is not later than the one before")],
+                hint="Put frames and times in order, and leave out frames that were saved twice.",
+            )
+
+    @property
+    def n_frames(self) -> int:
+        """How many frames there are."""
+        return len(self.times_s)
+
+    @property
+    def n_parts(self) -> int:
+        """How many parts of `FRAMES_PER_PART` frames."""
+        return -(-self.n_frames // FRAMES_PER_PART)
+
+    def frames_of(self, part: int) -> range:
+        """The frames of one part."""
+        return range(part * FRAMES_PER_PART, min((part + 1) * FRAMES_PER_PART, self.n_frames))
+
+    def dt_s(self, frame: int) -> float:
+        """Time from `frame` to the next, s."""
+        return float(self.times_s[frame + 1] - self.times_s[frame])
+
+    def detected(self, frame: int) -> Droplets:
+        """The detections of one frame. Raises `ResultsError` where a place or radius is no number."""
+        droplets = self.detections(frame)
+        numbers = [droplets.x_px, droplets.y_px, droplets.r_px]
+        if not all(np.isfinite(column).all() for column in numbers) or (droplets.r_px <= 0).any():
+            raise ResultsError(
+                "A detected droplet has no finite place or no positive radius.",
+                code="results.droplets_not_finite",
+                frame=frame,
+                hint="Detect the droplets again.",
+            )
+        return Droplets(*(np.asarray(getattr(droplets, column.name), np.float64) for column in fields(Droplets)))
+
+    def look_at(self, frame: int) -> Look | None:
+        """How to search the image of one frame; it is read and prepared at the first search, and then once."""
+        if self.frames is None or self.detector is None:
+            return None
+        frames, detector = self.frames, self.detector
+        prepared: list[npt.NDArray[np.float32]] = []
+
+        def look(predicted: Droplets) -> tuple[Droplets, npt.NDArray[np.bool_]]:
+            if not prepared:
+                prepared.append(detector.prepare(frames[frame]))
+            return detector.find_near(prepared[0], predicted)
+
+        return look

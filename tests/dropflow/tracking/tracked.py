@@ -1,0 +1,68 @@
+"""Tracks a generated film without images, and says how well its links are the true ones."""
+
+import itertools
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from dropflow.parameters import Parameters
+from dropflow.progress import Progress, silent
+from dropflow.tracking.film import Film as TrackedFilm
+from dropflow.tracking.track import TrackingResult, track_film
+from tests.dropflow.tracking.generated import Film, film, true_links, vortices
+
+
+def tracked(
+    given: Film, folder: Path, *, progress: Progress = silent, parameters: Parameters | None = None, **about: Any
+) -> TrackingResult:
+    """Track a generated film."""
+    without_images = TrackedFilm(given.times_s, given, None, None)
+    return track_film(
+        without_images, given.shape, given.experiment, parameters or Parameters(), folder, about, progress
+    )
+
+
+def link_scores(given: Film, trajectories: pa.Table) -> tuple[float, float]:
+    """Precision and recall of the links of a table of trajectories."""
+    index = [
+        {place: k for k, place in enumerate(zip(seen.x_px.tolist(), seen.y_px.tolist(), strict=True))}
+        for seen in given.frames
+    ]
+    columns = [trajectories[name].to_pylist() for name in ("trajectory_id", "frame", "x_px", "y_px")]
+    rows = [(key, frame, index[frame][x, y]) for key, frame, x, y in zip(*columns, strict=True)]
+    found = {
+        (frame, here, there)
+        for (key, frame, here), (next_key, next_frame, there) in itertools.pairwise(rows)
+        if key == next_key and next_frame == frame + 1
+    }
+    true = true_links(given)
+    return len(found & true) / max(len(found), 1), len(found & true) / len(true)
+
+
+def read(result: TrackingResult) -> pa.Table:
+    """The table of trajectories."""
+    return pq.read_table(result.trajectories)
+
+
+def long_film() -> Film:
+    """Long enough for several checkpoints in every pass."""
+    return film(flow=vortices(8, 250), n_frames=110, n_droplets=40, found_share=0.95, n_false=5, seed=5)
+
+
+def main(folder: Path) -> None:
+    """Track the long film, saying how far it is, for a test that kills this process."""
+
+    def say(stage: str, done: int, total: int) -> None:
+        sys.stdout.write(f"{done}\n")
+        sys.stdout.flush()
+
+    np.seterr(all="raise")
+    tracked(long_film(), folder, progress=say)
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))
