@@ -19,7 +19,9 @@ def find(session: Session, viewer: Viewer, experiment_id: UUID) -> Experiment | 
 
 def lock(session: Session, viewer: Viewer, experiment_id: UUID) -> Experiment | None:
     """The same, and nobody else changes its stack, files or list of runs until this transaction ends."""
-    query = visible_experiments(viewer).where(Experiment.id == experiment_id).with_for_update(of=Experiment)
+    query = (
+        visible_experiments(viewer).where(Experiment.id == experiment_id).with_for_update(of=Experiment, key_share=True)
+    )
     return session.scalar(query.execution_options(populate_existing=True))
 
 

@@ -159,7 +159,7 @@ def _shown_run(run: Run, done: Mapping[tuple[UUID, str], Done]) -> schemas.RunSu
         created_at=run.created_at,
         finished_at=run.finished_at,
         stages=shown_stages(run, done, datetime.now(UTC)),
-        n_droplets=(run.summary or {}).get("n_droplets"),
+        n_droplets=(run.summary or {}).get("detected", {}).get("n_droplets"),
     )
 
 

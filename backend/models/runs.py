@@ -64,6 +64,8 @@ class Product(Identified, Dated, Base):
     """Where its objects are."""
     files: Mapped[list[Json]]
     """`name`, `size_bytes` and `media_type` of each that people can fetch."""
+    summary: Mapped[Json | None]
+    """What the run that this completes shows of it."""
 
 
 class Histogram(Base):

@@ -63,7 +63,12 @@ class Rule(Generic[State]):
 
 STACK_RULES = (
     Rule("upload", (StackState.EMPTY, StackState.UPLOADING, StackState.REJECTED), StackState.UPLOADING, "a file came"),
-    Rule("seal", (StackState.UPLOADING,), StackState.INDEXING, "all files are there; a worker reads every frame"),
+    Rule(
+        "seal",
+        (StackState.UPLOADING, StackState.REJECTED),
+        StackState.INDEXING,
+        "all files are there; a worker reads every frame",
+    ),
     Rule("accept", (StackState.INDEXING,), StackState.READY, "every frame can be read"),
     Rule("reject", (StackState.INDEXING,), StackState.REJECTED, "a frame cannot be used; its files are removed"),
     Rule("clear", tuple(StackState), StackState.EMPTY, "its files were removed"),

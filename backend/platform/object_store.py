@@ -51,12 +51,6 @@ class ObjectStore:
         """Write an object at once."""
         obstore.put(self.store, key, content)
 
-    def put_folder(self, prefix: str, folder: Path) -> None:
-        """Write every file below `folder`."""
-        for path in sorted(folder.rglob("*")):
-            if path.is_file():
-                self.put(prefix + path.relative_to(folder).as_posix(), path)
-
     def read(self, key: str) -> bytes:
         """The whole of a small object."""
         return bytes(obstore.get(self.store, key).bytes())
@@ -72,14 +66,16 @@ class ObjectStore:
             return (self._root / key).open("rb")
         return cast(BinaryIO, io.BufferedReader(_RangeReader(self.store, key), READ_BYTES))
 
-    def fetch(self, key: str, target: Path) -> None:
-        """Copy an object into a local file."""
-        with self.open(key) as source, target.open("wb") as copy:
-            shutil.copyfileobj(source, copy, READ_BYTES)
-
-    def size_bytes(self, key: str) -> int:
-        """How large an object is."""
-        return obstore.head(self.store, key)["size"]
+    def as_folder(self, prefix: str, scratch: Path) -> Path:
+        """The objects below `prefix` as files: where they are if that is a folder, else copied into `scratch`."""
+        if self._root is not None:
+            return self._root / prefix
+        for key, _ in self.list(prefix):
+            target = scratch / key.removeprefix(prefix)
+            target.parent.mkdir(parents=True, exist_ok=True)
+            with self.open(key) as source, target.open("wb") as copy:
+                shutil.copyfileobj(source, copy, READ_BYTES)
+        return scratch
 
     def list(self, prefix: str) -> list[tuple[str, int]]:
         """Keys below `prefix` with their sizes, sorted."""

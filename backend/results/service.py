@@ -9,10 +9,10 @@ from sqlalchemy.orm import Session
 from backend.models import Product, Run
 from backend.platform.object_store import ObjectStore
 from backend.platform.visibility import Viewer
+from backend.platform.zip_stream import zip_stream
 from backend.results import figures, frames, repository
 from backend.results.errors import FrameMissing, NoSuchResult, NotYet
 from backend.results.schemas import FigureName, FrameDroplets, FrameFlow, ResultFile, Which
-from backend.results.zip_stream import zip_stream
 from backend.runs.service import get as get_run
 from dropflow.frames import Frame
 

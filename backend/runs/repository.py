@@ -18,7 +18,7 @@ def find(session: Session, viewer: Viewer, run_id: UUID) -> Run | None:
 
 def lock(session: Session, viewer: Viewer, run_id: UUID) -> Run | None:
     """The same, and nobody else changes its state until this transaction ends."""
-    query = visible_runs(viewer).where(Run.id == run_id).with_for_update(of=Run)
+    query = visible_runs(viewer).where(Run.id == run_id).with_for_update(of=Run, key_share=True)
     return session.scalar(query.execution_options(populate_existing=True))
 
 

@@ -1,0 +1,31 @@
+"""Task analyse: the numbers that sum a run up."""
+
+import json
+
+from backend.platform.object_store import product_prefix
+from dropflow import pipeline
+from worker.context import Context
+from worker.film import load_prepared, prefixes
+from worker.leases import Lease
+from worker.outcomes import NewProduct, publish
+from worker.plan import Task
+from worker.work_folders import work_folder
+
+SUMMARY_FILE = "summary.json"
+
+
+def work(context: Context, lease: Lease) -> None:
+    """Write the same summary as the command does, and complete the run with it."""
+    claim = lease.claim
+    film = load_prepared(context, claim)
+    with context.sessions.begin() as session:
+        tracked = prefixes(session, film.run_id, Task.TRACK)[0]
+    with work_folder(context.settings.work_dir, claim) as folder:
+        results = context.store.as_folder(tracked, folder)
+        lease.renew()
+        summary = pipeline.summary(results, film.index, film.experiment, film.parameters)
+    content = (json.dumps(summary, indent=2, allow_nan=False) + "\n").encode()
+    prefix = product_prefix(claim.experiment_id, claim.shard_id, claim.fence)
+    context.store.put(prefix + SUMMARY_FILE, content)
+    files = [{"name": SUMMARY_FILE, "size_bytes": len(content), "media_type": "application/json"}]
+    publish(context, claim, NewProduct(prefix, files, summary=summary))

@@ -1,0 +1,49 @@
+"""The Celery application: `celery -A worker.app worker -Q interactive,shards,sequential`."""
+
+from typing import Any
+from uuid import UUID
+
+import cv2
+import structlog
+from celery import signals
+
+from backend.platform.logging import set_up_logging
+from backend.platform.queue import TASK_NAME, make_celery
+from backend.platform.settings import environment_settings
+from worker.context import holders_of_this_worker, process_context
+from worker.outcomes import give_back_all
+from worker.shards import look_at
+from worker.work_folders import sweep
+
+settings = environment_settings()
+app = make_celery(settings.redis_url)
+log = structlog.get_logger()
+
+
+@app.task(name=TASK_NAME)  # type: ignore[untyped-decorator]
+def look_at_shard(shard_id: str) -> None:
+    """Look at one shard."""
+    look_at(process_context(), UUID(shard_id))
+
+
+@signals.setup_logging.connect  # type: ignore[untyped-decorator]
+def _set_up_logging(**_: Any) -> None:
+    set_up_logging(settings.log_level)
+
+
+@signals.worker_process_init.connect  # type: ignore[untyped-decorator]
+def _one_thread_each(**_: Any) -> None:
+    # OpenCV's threads do not survive a fork, and workers share the cores by being many.
+    cv2.setNumThreads(0)
+
+
+@signals.worker_init.connect  # type: ignore[untyped-decorator]
+def _tidy_up(**_: Any) -> None:
+    sweep(process_context())
+
+
+@signals.worker_shutdown.connect  # type: ignore[untyped-decorator]
+def _give_back(**_: Any) -> None:
+    """A worker that is stopped gives its shards back at once, instead of letting their leases run out."""
+    n_given_back = give_back_all(process_context(), holders_of_this_worker())
+    log.info("worker stopped", shards_given_back=n_given_back)

@@ -1,0 +1,53 @@
+"""Task detect: the droplets of a range of frames."""
+
+import io
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from backend.platform.object_store import product_prefix
+from backend.platform.packing import pack_histograms
+from dropflow import pipeline
+from dropflow.statistics.histograms import FrameHistograms, frame_histograms, radius_edges_um
+from worker.context import Context
+from worker.film import PreparedFilm, load_prepared
+from worker.leases import Lease
+from worker.outcomes import NewProduct, publish
+
+DROPLETS_FILE = "droplets.parquet"
+
+
+def work(context: Context, lease: Lease) -> None:
+    """Detect, write the table and count the droplets by size."""
+    claim = lease.claim
+    film = load_prepared(context, claim)
+    frames = range(claim.start_frame, claim.stop_frame)
+    with film.frames() as stack:
+        table = pipeline.detect_range(
+            stack,
+            film.index,
+            film.experiment,
+            film.parameters,
+            film.measured,
+            start=frames.start,
+            stop=frames.stop,
+            progress=lease,
+        )
+    prefix = product_prefix(claim.experiment_id, claim.shard_id, claim.fence)
+    context.store.put(prefix + DROPLETS_FILE, _parquet(table))
+    histogram = pack_histograms(count(film, table, frames))
+    publish(context, claim, NewProduct(prefix, histogram=histogram))
+
+
+def count(film: PreparedFilm, table: pa.Table, frames: range) -> FrameHistograms:
+    """Droplets of each frame by radius."""
+    detection = film.parameters.detection
+    edges_um = radius_edges_um(detection.radius_min_um, detection.radius_max_um)
+    return frame_histograms(table, edges_um, frames, np.array(film.index.times_s[frames.start : frames.stop]))
+
+
+def _parquet(table: pa.Table) -> bytes:
+    packed = io.BytesIO()
+    pq.write_table(table, packed)
+    return packed.getvalue()

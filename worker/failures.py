@@ -1,0 +1,64 @@
+"""A shard that cannot be done takes what it belongs to with it: its run fails, or its stack is rejected."""
+
+from sqlalchemy import select
+from sqlalchemy.orm import Session
+
+from backend.models import DoomedObject, Experiment, File
+from backend.models.lifecycle import end_run
+from backend.models.states import STACK_RULES, rule
+from backend.platform.events import announce, experiment_topic, run_topic
+from backend.platform.problems import Problem
+from worker.context import Context
+from worker.leases import MAX_ATTEMPTS, Claim
+from worker.outcomes import end_shard, lock_experiment, lock_run
+
+_OURS = "run."
+"""Codes of faults that are not the frames' own."""
+
+
+def fail(context: Context, claim: Claim, problem: Problem) -> None:
+    """End a shard for good, with the cause. Raises `LeaseLost` if it is not ours any more."""
+    with context.sessions.begin() as session:
+        if claim.run_id is None:
+            experiment = lock_experiment(session, claim.experiment_id)
+            end_shard(session, claim, "fail")
+            reject_stack(session, experiment, problem)
+        else:
+            run = lock_run(session, claim.run_id)
+            end_shard(session, claim, "fail")
+            end_run(session, run, "fail", problem=problem.model_dump())
+            announce(session, run_topic(run.id), experiment_topic(run.experiment_id))
+
+
+def reject_stack(session: Session, experiment: Experiment, problem: Problem) -> None:
+    """Say why a stack cannot be used and remove its files, unless the fault is ours: then they can be indexed again."""
+    experiment.stack.state = rule(STACK_RULES, "reject").target
+    experiment.stack.problem = problem.model_dump()
+    if not problem.code.startswith(_OURS):
+        for file in session.scalars(select(File).where(File.experiment_id == experiment.id)):
+            session.add(DoomedObject(key=file.store_key))
+            session.delete(file)
+    announce(session, experiment_topic(experiment.id))
+
+
+def unexpected(error: Exception) -> Problem:
+    """A fault that nobody foresaw, in words for people; the log has the trace."""
+    return Problem(
+        title="Internal Server Error",
+        status=500,
+        code="run.internal",
+        detail=f"An unexpected error occurred {MAX_ATTEMPTS} times ({type(error).__name__}: {error}).",
+        hint="Please report it with the service's log. To try again goes on with what is done already.",
+    )
+
+
+def worker_lost(first_frame: int, last_frame: int, task: str) -> Problem:
+    """Whoever worked on a shard fell silent, again and again."""
+    where = f" at frames {first_frame} to {last_frame}" if last_frame > first_frame else ""
+    return Problem(
+        title="Internal Server Error",
+        status=500,
+        code="run.worker_lost",
+        detail=f"The worker stopped without a word {MAX_ATTEMPTS} times while it was busy with {task}{where}.",
+        hint="Most often memory ran out, or the machine was switched off. To try again goes on with what is done.",
+    )

@@ -1,0 +1,113 @@
+"""What a shard needs to know of its film: the experiment as the run knows it, its files, and what was prepared."""
+
+import io
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from uuid import UUID
+
+from sqlalchemy import select
+from sqlalchemy.orm import Session
+
+from backend.models import File, Product, Run, Shard, Stack
+from backend.platform.object_store import ObjectStore
+from backend.platform.store_files import StoreFiles
+from dropflow.experiment import Experiment, parse_experiment
+from dropflow.frames import Frames, open_frames
+from dropflow.ingest import StackIndex
+from dropflow.parameters import Parameters, parse_parameters
+from dropflow.preprocess import StackEstimate
+from worker.context import Context
+from worker.leases import Claim, LeaseLost
+from worker.plan import Task
+
+INDEX_FILE, ESTIMATE_FILE = "index.json", "estimate.npz"
+FRAMES_ROLE = "frames"
+
+
+@dataclass(frozen=True)
+class Film:
+    """A film and how it is to be analysed."""
+
+    run_id: UUID
+    experiment: Experiment
+    parameters: Parameters
+    files: dict[str, dict[str, str]]
+    """Where each uploaded file is kept: key by name, by role."""
+    store: ObjectStore
+
+    @contextmanager
+    def frames(self) -> Iterator[Frames]:
+        """The stack, open."""
+        source = StoreFiles(self.store, self.files[FRAMES_ROLE])
+        with open_frames(source, grey_from=self.experiment.grey_from) as frames:
+            yield frames
+
+
+@dataclass(frozen=True)
+class PreparedFilm(Film):
+    """A film of which all is known that every shard shares."""
+
+    index: StackIndex
+    measured: StackEstimate
+
+
+def load_film(context: Context, claim: Claim) -> tuple[Film, StackIndex]:
+    """The film of a claim's run, and the index as the upload left it."""
+    with context.sessions.begin() as session:
+        run = _run(session, claim)
+        film = Film(
+            run.id,
+            parse_experiment(run.document),
+            parse_parameters(run.parameters),
+            uploaded_files(session, claim.experiment_id),
+            context.store,
+        )
+        index_key = session.scalar(select(Stack.index_key).where(Stack.experiment_id == claim.experiment_id))
+    if index_key is None:
+        raise LeaseLost
+    return film, StackIndex.model_validate_json(context.store.read(index_key))
+
+
+def load_prepared(context: Context, claim: Claim) -> PreparedFilm:
+    """The film of a claim's run with what its first shard prepared."""
+    with context.sessions.begin() as session:
+        run = _run(session, claim)
+        files = uploaded_files(session, claim.experiment_id)
+        prefix = prefixes(session, run.id, Task.PREPARE)[0]
+    return PreparedFilm(
+        run.id,
+        parse_experiment(run.document),
+        parse_parameters(run.parameters),
+        files,
+        context.store,
+        StackIndex.model_validate_json(context.store.read(prefix + INDEX_FILE)),
+        StackEstimate.load(io.BytesIO(context.store.read(prefix + ESTIMATE_FILE))),
+    )
+
+
+def prefixes(session: Session, run_id: UUID, task: Task) -> list[str]:
+    """Where the products of a task of a run are, in the order of their frames."""
+    query = (
+        select(Product.prefix)
+        .join(Shard, Shard.product_id == Product.id)
+        .where(Shard.run_id == run_id, Shard.task == task)
+        .order_by(Shard.start_frame)
+    )
+    return list(session.scalars(query))
+
+
+def uploaded_files(session: Session, experiment_id: UUID) -> dict[str, dict[str, str]]:
+    """Where each uploaded file is kept: key by name, by role."""
+    found: dict[str, dict[str, str]] = {FRAMES_ROLE: {}}
+    query = select(File.role, File.name, File.store_key).where(File.experiment_id == experiment_id)
+    for role, name, key in session.execute(query):
+        found.setdefault(role, {})[name] = key
+    return found
+
+
+def _run(session: Session, claim: Claim) -> Run:
+    run = session.get(Run, claim.run_id)
+    if run is None:
+        raise LeaseLost
+    return run

@@ -1,0 +1,67 @@
+"""Task ingest: read every frame of an uploaded stack once, so that it is known to be good, or say what is not."""
+
+from contextlib import ExitStack
+from uuid import UUID
+
+from sqlalchemy import select
+from sqlalchemy.orm import Session
+
+from backend.models import Experiment, File
+from backend.models.states import STACK_RULES, rule
+from backend.platform.events import announce, experiment_topic
+from backend.platform.object_store import product_prefix
+from backend.platform.store_files import StoreFiles
+from dropflow.experiment import parse_experiment
+from dropflow.frames import open_frames
+from dropflow.ingest import StackIndex, check_frames, index_stack
+from worker.context import Context
+from worker.film import FRAMES_ROLE, uploaded_files
+from worker.leases import Lease
+from worker.outcomes import end_shard, lock_experiment
+
+
+def work(context: Context, lease: Lease) -> None:
+    """Index the stack, write the index, and call the stack ready."""
+    claim = lease.claim
+    index = _index(context, lease)
+    key = product_prefix(claim.experiment_id, claim.shard_id, claim.fence) + "index.json"
+    context.store.put(key, index.model_dump_json().encode())
+    with context.sessions.begin() as session:
+        experiment = lock_experiment(session, claim.experiment_id)
+        end_shard(session, claim, "publish", done_frames=index.n_frames)
+        _accept(experiment, index, key)
+        announce(session, experiment_topic(experiment.id))
+
+
+def _index(context: Context, lease: Lease) -> StackIndex:
+    experiment_id = lease.claim.experiment_id
+    with context.sessions.begin() as session:
+        document = session.get_one(Experiment, experiment_id).document
+        files = uploaded_files(session, experiment_id)
+        checksums = _checksums(session, experiment_id)
+    experiment = parse_experiment(document)
+    source = StoreFiles(context.store, files[FRAMES_ROLE])
+    with ExitStack() as opened:
+        attachments = {
+            role: opened.enter_context(context.store.open(key))
+            for role, named in files.items()
+            if role != FRAMES_ROLE
+            for key in named.values()
+        }
+        index = index_stack(source, experiment, attachments=attachments, checksums=checksums, progress=lease.alive)
+        frames = opened.enter_context(open_frames(source, grey_from=experiment.grey_from))
+        check_frames(frames, progress=lease)
+    return index
+
+
+def _checksums(session: Session, experiment_id: UUID) -> dict[str, str]:
+    query = select(File.name, File.sha256).where(File.experiment_id == experiment_id, File.role == FRAMES_ROLE)
+    return dict(session.execute(query).tuples().all())
+
+
+def _accept(experiment: Experiment, index: StackIndex, index_key: str) -> None:
+    stack = experiment.stack
+    stack.state = rule(STACK_RULES, "accept").target
+    stack.n_frames, stack.rows, stack.columns, stack.dtype = index.n_frames, index.n_rows, index.n_columns, index.dtype
+    stack.duration_s = index.times_s[-1] - index.times_s[0]
+    stack.checksum, stack.index_key = index.sha256, index_key

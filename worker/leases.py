@@ -1,0 +1,175 @@
+"""Leases: who works on a shard, and until when others keep away.
+
+A claim is one UPDATE, which also raises the shard's fence; everything the holder does later names that fence, so
+whoever lost the lease can no longer change anything. Time is the database's, never a worker's clock.
+"""
+
+import time
+from dataclasses import dataclass
+from datetime import timedelta
+from typing import Any
+from uuid import UUID
+
+import structlog
+from sqlalchemy import ColumnElement, and_, exists, func, or_, select, update
+from sqlalchemy.exc import OperationalError
+from sqlalchemy.orm import Session
+
+from backend.models import Run, Shard
+from backend.models.states import ACTIVE_RUN_STATES, SHARD_RULES, ShardState, rule
+from backend.platform.database import Sessions
+from backend.platform.events import announce, experiment_topic, run_topic
+from dropflow.errors import Cancelled
+
+MAX_ATTEMPTS = 3
+_SHORTEST_RENEWAL_S = 0.5
+log = structlog.get_logger()
+
+
+class LeaseLost(Exception):
+    """Somebody else has the shard now, or nobody needs it any more. Whatever was made of it does not count."""
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A shard in our hands."""
+
+    shard_id: UUID
+    experiment_id: UUID
+    run_id: UUID | None
+    task: str
+    start_frame: int
+    stop_frame: int
+    input_key: str | None
+    fence: int
+    attempts: int
+
+    @property
+    def topics(self) -> tuple[str, ...]:
+        """Who wants to hear of it."""
+        return (run_topic(self.run_id),) if self.run_id else (experiment_topic(self.experiment_id),)
+
+
+def claim(session: Session, shard_id: UUID, *, holder: str, lease_s: float) -> Claim | None:
+    """Take a shard that nobody holds; None if there is nothing to take. One statement: two never get the same."""
+    wanted = or_(Shard.run_id.is_(None), _run_goes_on())
+    rules = rule(SHARD_RULES, "claim")
+    free = or_(Shard.state.in_(rules.sources), and_(Shard.state == ShardState.RUNNING, is_expired()))
+    row = session.execute(
+        update(Shard)
+        .where(Shard.id == shard_id, free, Shard.attempts < MAX_ATTEMPTS, wanted)
+        .values(
+            state=rules.target,
+            fence=Shard.fence + 1,
+            attempts=Shard.attempts + 1,
+            holder=holder,
+            lease_until=_in(lease_s),
+            done_frames=0,
+            started_at=func.now(),
+        )
+        .returning(
+            Shard.id,
+            Shard.experiment_id,
+            Shard.run_id,
+            Shard.task,
+            Shard.start_frame,
+            Shard.stop_frame,
+            Shard.input_key,
+            Shard.fence,
+            Shard.attempts,
+        )
+    ).one_or_none()
+    return None if row is None else Claim(*row)
+
+
+def held(claim: Claim) -> tuple[ColumnElement[bool], ...]:
+    """That the shard is still ours, as conditions of a statement."""
+    return Shard.id == claim.shard_id, Shard.fence == claim.fence, Shard.state == ShardState.RUNNING
+
+
+def is_expired() -> ColumnElement[bool]:
+    """That the holder was silent for too long."""
+    return Shard.lease_until < func.clock_timestamp()
+
+
+def release(session: Session, *conditions: ColumnElement[bool], values: dict[str, Any] | None = None) -> int:
+    """Give shards back that were running; whoever held them is fenced off. Returns how many."""
+    rules = rule(SHARD_RULES, "release")
+    given_back = session.execute(
+        update(Shard)
+        .where(Shard.state.in_(rules.sources), *conditions)
+        .values(
+            {
+                "state": rules.target,
+                "fence": Shard.fence + 1,
+                "lease_until": None,
+                "holder": None,
+                "done_frames": 0,
+                **(values or {}),
+            }
+        )
+        .returning(Shard.id)
+    )
+    return len(given_back.all())
+
+
+class Lease:
+    """Keeps a claim alive while work goes on: a `dropflow.progress.Progress` that the stages call after each frame."""
+
+    def __init__(self, sessions: Sessions, claim: Claim, *, lease_s: float) -> None:
+        self.claim = claim
+        self._sessions, self._lease_s = sessions, lease_s
+        self._renewed = time.monotonic()
+        self._n_frames = claim.stop_frame - claim.start_frame
+
+    def __call__(self, stage: str, done: int, total: int) -> None:  # noqa: ARG002 - the contract's
+        """Note progress, renew in time, and raise `Cancelled` or `LeaseLost` if the work is not wanted."""
+        is_last = done >= total
+        if is_last or time.monotonic() - self._renewed > min(_SHORTEST_RENEWAL_S, self._lease_s / 4):
+            self.renew(done_frames=(self._n_frames or total) * done // max(total, 1))
+
+    def alive(self, stage: str, done: int, total: int) -> None:  # noqa: ARG002 - the contract's
+        """The same for work whose progress is not in frames."""
+        if time.monotonic() - self._renewed > self._lease_s / 4:
+            self.renew()
+
+    def renew(self, done_frames: int | None = None) -> None:
+        """Tell that we live, and hear whether we shall stop, in one statement."""
+        try:
+            with self._sessions.begin() as session:
+                is_cancelled = self._renew(session, done_frames)
+        except OperationalError as problem:
+            # Postgres may be starting again. Our claim holds as long as nobody could take it.
+            log.warning("lease not renewed", shard=str(self.claim.shard_id), reason=str(problem).splitlines()[0])
+            if time.monotonic() - self._renewed > self._lease_s:
+                raise LeaseLost from None
+            return
+        self._renewed = time.monotonic()
+        if is_cancelled:
+            raise Cancelled("The run was cancelled.")
+
+    def _renew(self, session: Session, done_frames: int | None) -> bool:
+        values: dict[str, Any] = {"lease_until": _in(self._lease_s)}
+        if done_frames is not None:
+            values["done_frames"] = done_frames
+        is_cancelled = (
+            select(Run.cancel_requested_at.is_not(None))
+            .where(Run.id == Shard.run_id)
+            .correlate(Shard)
+            .scalar_subquery()
+        )
+        row = session.execute(
+            update(Shard).where(*held(self.claim)).values(values).returning(Shard.id, is_cancelled)
+        ).one_or_none()
+        if row is None:
+            raise LeaseLost
+        announce(session, *self.claim.topics)
+        return bool(row[1])
+
+
+def _run_goes_on() -> ColumnElement[bool]:
+    return exists().where(Run.id == Shard.run_id, Run.state.in_(ACTIVE_RUN_STATES), Run.cancel_requested_at.is_(None))
+
+
+def _in(seconds: float) -> ColumnElement[Any]:
+    return func.clock_timestamp() + timedelta(seconds=seconds)

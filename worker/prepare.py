@@ -1,0 +1,61 @@
+"""Task prepare: what all shards of a run share is measured once, and the frames are divided among them."""
+
+import io
+
+from backend.platform.object_store import product_prefix
+from backend.platform.store_files import StoreFiles
+from dropflow import pipeline
+from dropflow.frames import Frame, open_frames
+from dropflow.ingest import StackIndex, frame_times_s
+from dropflow.preprocess import StackEstimate
+from worker.context import Context
+from worker.fan_in import NewShard
+from worker.film import ESTIMATE_FILE, INDEX_FILE, Film, load_film
+from worker.keys import detect_key
+from worker.leases import Lease
+from worker.outcomes import NewProduct, publish
+from worker.plan import Task, detect_ranges
+
+
+def work(context: Context, lease: Lease) -> None:
+    """Store index and estimate of the film, and put its detection on the list."""
+    claim = lease.claim
+    film, uploaded = load_film(context, claim)
+    index = _with_times(film, uploaded)
+    measured = _measure(context, film)
+    lease.renew()
+    prefix = product_prefix(claim.experiment_id, claim.shard_id, claim.fence)
+    context.store.put(prefix + INDEX_FILE, index.model_dump_json().encode())
+    context.store.put(prefix + ESTIMATE_FILE, _packed(measured))
+    shards = [
+        NewShard(Task.DETECT, frames, detect_key(index, film.experiment, film.parameters, frames))
+        for frames in detect_ranges(index.n_frames, index.shape)
+    ]
+    publish(context, claim, NewProduct(prefix), shards)
+
+
+def _with_times(film: Film, index: StackIndex) -> StackIndex:
+    """The interval between frames may have been corrected since the upload."""
+    if film.experiment.frame_interval_s is None:
+        return index
+    times_s = frame_times_s(film.experiment, index.n_frames)
+    return index.model_copy(update={"times_s": tuple(times_s.tolist())})
+
+
+def _measure(context: Context, film: Film) -> StackEstimate:
+    with film.frames() as frames:
+        return pipeline.estimate(frames, film.experiment, film.parameters, flat_field=_flat_field(context, film))
+
+
+def _flat_field(context: Context, film: Film) -> Frame | None:
+    files = film.files.get("flat_field")
+    if not files:
+        return None
+    with open_frames(StoreFiles(context.store, files)) as frames:
+        return frames[0]
+
+
+def _packed(measured: StackEstimate) -> bytes:
+    packed = io.BytesIO()
+    measured.save(packed)
+    return packed.getvalue()

@@ -1,0 +1,70 @@
+"""Looking at a shard: claim it, do it, and end it one way or another."""
+
+from collections.abc import Callable, Mapping
+from uuid import UUID
+
+import structlog
+
+from backend.platform.object_store import product_prefix
+from backend.platform.problems import problem_of
+from dropflow.errors import Cancelled, DropflowError
+from worker import analyse, detect, ingest, outcomes, prepare, track
+from worker.context import Context
+from worker.failures import fail, unexpected
+from worker.leases import MAX_ATTEMPTS, Claim, Lease, LeaseLost, claim
+from worker.plan import Task
+from worker.work_folders import sweep
+
+WORK: Mapping[Task, Callable[[Context, Lease], None]] = {
+    Task.INGEST: ingest.work,
+    Task.PREPARE: prepare.work,
+    Task.DETECT: detect.work,
+    Task.TRACK: track.work,
+    Task.ANALYSE: analyse.work,
+}
+log = structlog.get_logger()
+
+
+def look_at(context: Context, shard_id: UUID) -> None:
+    """Do a shard if it is to be done. Asked twice, or too late, this changes nothing."""
+    with context.sessions.begin() as session:
+        taken = claim(session, shard_id, holder=context.holder, lease_s=context.settings.lease_s)
+    if taken is None:
+        return
+    with structlog.contextvars.bound_contextvars(shard=str(shard_id), task=taken.task, fence=taken.fence):
+        try:
+            _do(context, taken)
+        except LeaseLost:
+            log.info("lease lost")
+            _remove_output(context, taken)
+            sweep(context)
+
+
+def _do(context: Context, taken: Claim) -> None:
+    outcomes.begin(context, taken)
+    try:
+        WORK[Task(taken.task)](context, Lease(context.sessions, taken, lease_s=context.settings.lease_s))
+    except LeaseLost:
+        raise
+    except Cancelled:
+        _remove_output(context, taken)
+        outcomes.let_go(context, taken)
+    except DropflowError as error:
+        log.info("shard failed", code=error.code, reason=str(error))
+        _remove_output(context, taken)
+        fail(context, taken, problem_of(error))
+    except Exception as error:
+        log.exception("unexpected error", attempt=taken.attempts)
+        _remove_output(context, taken)
+        if taken.attempts < MAX_ATTEMPTS:
+            outcomes.give_back(context, taken)
+        else:
+            fail(context, taken, unexpected(error))
+
+
+def _remove_output(context: Context, taken: Claim) -> None:
+    """What was written under this fence is of no use; if it cannot be removed now, the sweep finds it."""
+    try:
+        context.store.remove(product_prefix(taken.experiment_id, taken.shard_id, taken.fence))
+    except Exception:
+        log.exception("output not removed")

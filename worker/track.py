@@ -1,0 +1,98 @@
+"""Task track: trajectories and the flow field of the whole film, going on from where an earlier holder was."""
+
+import json
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from backend.platform.object_store import ObjectStore, product_prefix
+from backend.platform.packing import pack_histograms
+from backend.platform.zip_stream import stored_zip_bytes
+from dropflow import pipeline
+from dropflow.detections import write_droplets
+from dropflow.provenance import provenance
+from dropflow.statistics.histograms import FrameHistograms
+from worker.context import Context
+from worker.detect import DROPLETS_FILE, count
+from worker.film import PreparedFilm, load_prepared, prefixes
+from worker.leases import Lease
+from worker.outcomes import NewProduct, publish
+from worker.plan import Task
+from worker.work_folders import work_folder
+
+TABLES = ("droplets.parquet", "trajectories.parquet", "rejected_trajectories.parquet")
+FLOW = "flow.zarr"
+_PARQUET = "application/vnd.apache.parquet"
+
+
+def work(context: Context, lease: Lease) -> None:
+    """Join the detections, track, and publish the tables and the flow field."""
+    claim = lease.claim
+    film = load_prepared(context, claim)
+    with context.sessions.begin() as session:
+        parts = prefixes(session, film.run_id, Task.DETECT)
+    with work_folder(context.settings.work_dir, claim) as folder:
+        if not (folder / DROPLETS_FILE).exists():
+            _join(context.store, film, parts, folder, lease)
+        with film.frames() as frames:
+            pipeline.track_film(
+                frames,
+                film.index,
+                film.experiment,
+                film.parameters,
+                film.measured,
+                droplets=folder / DROPLETS_FILE,
+                folder=folder,
+                progress=lease,
+            )
+        histogram = pack_histograms(_count_tracked(film, folder / "trajectories.parquet"))
+        prefix = product_prefix(claim.experiment_id, claim.shard_id, claim.fence)
+        _store(context.store, folder, prefix, lease)
+        publish(context, claim, NewProduct(prefix, _files(folder), histogram))
+
+
+def _join(store: ObjectStore, film: PreparedFilm, parts: list[str], folder: Path, lease: Lease) -> None:
+    """All detections as one table, with where they come from."""
+    about = {"dropflow": json.dumps(provenance(film.experiment, film.parameters, film.index))}
+    unfinished = folder / "droplets.unfinished"
+    write_droplets(unfinished, _tables(store, parts, lease), metadata=about)
+    unfinished.replace(folder / DROPLETS_FILE)
+
+
+def _tables(store: ObjectStore, parts: list[str], lease: Lease) -> Iterator[pa.Table]:
+    for n_done, prefix in enumerate(parts):
+        with store.open(prefix + DROPLETS_FILE) as file:
+            yield pq.read_table(file)
+        lease.alive("join", n_done, len(parts))
+
+
+def _count_tracked(film: PreparedFilm, trajectories: Path) -> FrameHistograms:
+    """Droplets of trajectories by frame and radius; one row group is in memory at a time."""
+    frames = range(film.index.n_frames)
+    file = pq.ParquetFile(trajectories)
+    total = count(film, file.schema_arrow.empty_table(), frames)
+    for group in range(file.num_row_groups):
+        part = count(film, file.read_row_group(group, columns=["frame", "r_um"]), frames)
+        total = replace(total, counts=total.counts + part.counts, moments=total.moments + part.moments)
+    return total
+
+
+def _store(store: ObjectStore, folder: Path, prefix: str, lease: Lease) -> None:
+    paths = [folder / name for name in TABLES] + _flow_files(folder)
+    for n_done, path in enumerate(paths):
+        store.put(prefix + path.relative_to(folder).as_posix(), path)
+        lease.alive("store", n_done, len(paths))
+
+
+def _flow_files(folder: Path) -> list[Path]:
+    return sorted(path for path in (folder / FLOW).rglob("*") if path.is_file())
+
+
+def _files(folder: Path) -> list[dict[str, object]]:
+    members = [(path.relative_to(folder).as_posix(), path.stat().st_size) for path in _flow_files(folder)]
+    tables = [{"name": name, "size_bytes": (folder / name).stat().st_size, "media_type": _PARQUET} for name in TABLES]
+    flow = {"name": f"{FLOW}.zip", "size_bytes": stored_zip_bytes(members), "media_type": "application/zip"}
+    return [*tables, flow]
