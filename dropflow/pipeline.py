@@ -97,6 +97,6 @@ def track_film(
 def summary(folder: Path, index: StackIndex, experiment: Experiment, parameters: Parameters) -> dict[str, Any]:
     """The numbers of ``summary.json`` from the tables and the flow field in `folder`, with their provenance."""
     return {
-        **summarise(folder, index, experiment, parameters),
+        **summarise(folder, index, experiment),
         "provenance": provenance.provenance(experiment, parameters, index),
     }

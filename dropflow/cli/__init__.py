@@ -1,17 +1,35 @@
 """The `dropflow` command: one module a subcommand. Errors a user can cause are one line and exit code 2."""
 
 import sys
+from importlib import import_module
+from typing import Any
 
 import typer
+from typer.core import TyperGroup
 
-from dropflow.cli.analyse import analyse
-from dropflow.cli.detect import detect
-from dropflow.cli.score import score
-from dropflow.cli.simulate import simulate
 from dropflow.errors import DropflowError
 from dropflow.provenance import code_version
 
+COMMANDS = ("analyse", "detect", "simulate", "score")
+"""Each is a function of this name in the module of this name, in the order of the help."""
+
+
+class _Commands(TyperGroup):
+    """Imports a subcommand when it is asked for: numba and SciPy take seconds that no other one need wait."""
+
+    def list_commands(self, ctx: Any) -> list[str]:  # noqa: ARG002
+        return list(COMMANDS)
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:  # noqa: ARG002
+        if cmd_name not in COMMANDS:
+            return None
+        single = typer.Typer(add_completion=False, rich_markup_mode="markdown", pretty_exceptions_enable=False)
+        single.command(cmd_name)(getattr(import_module(f"dropflow.cli.{cmd_name}"), cmd_name))
+        return typer.main.get_command(single)
+
+
 app = typer.Typer(
+    cls=_Commands,
     name="dropflow",
     help="Sizes, paths and the flow field of polydisperse sedimenting droplets, from image stacks.",
     no_args_is_help=True,
@@ -19,10 +37,6 @@ app = typer.Typer(
     rich_markup_mode="markdown",
     pretty_exceptions_enable=False,
 )
-app.command()(analyse)
-app.command()(detect)
-app.command()(simulate)
-app.command()(score)
 
 
 def _show_version(is_wanted: bool) -> None:
@@ -38,10 +52,18 @@ def _options(
     """Options of the command itself."""
 
 
+_UsageError: Any = typer.BadParameter.__bases__[0]
+"""Base of what is wrong with options and arguments; typer gives it no public name."""
+
+
 def main() -> None:
     """Run the command."""
     try:
-        app()
+        sys.exit(app(standalone_mode=False))
+    except _UsageError as error:
+        about = error.ctx.command_path if getattr(error, "ctx", None) else "dropflow"
+        typer.echo(f"dropflow: {error.format_message()} Try '{about} --help'.", err=True)
+        sys.exit(2)
     except DropflowError as error:
         typer.echo(f"dropflow: {error} [{error.code}]", err=True)
         sys.exit(2)

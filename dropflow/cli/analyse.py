@@ -5,7 +5,6 @@ from typing import Annotated
 
 import typer
 
-from dropflow import analysis
 from dropflow.cli import progress
 from dropflow.cli.options import ExperimentFile, Jobs, ParametersFile, Stack
 from dropflow.experiment import load_experiment
@@ -26,6 +25,9 @@ def analyse(
 
     Example: `dropflow analyse frames/ --experiment experiment.yaml --output results/`
     """
+    # Imported here, for it takes seconds and `--help` and wrong options need none of it.
+    from dropflow import analysis
+
     with progress.shown() as shown:
         film = analysis.open_film(
             stack,

@@ -1,0 +1,99 @@
+"""The numbers of ``summary.json``: what came of a run, at a glance."""
+
+import math
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pyarrow.parquet as pq
+import zarr
+
+from dropflow.experiment import Experiment
+from dropflow.ingest import StackIndex
+from dropflow.physics.material import resolve
+
+_STEPS_AT_ONCE = 256
+
+
+def summarise(folder: Path, index: StackIndex, experiment: Experiment) -> dict[str, Any]:
+    """Counts, radii and the flow of a finished run; units are in the names, None where there is no value.
+
+    Parameters
+    ----------
+    folder
+        Holds ``droplets.parquet``, ``trajectories.parquet``, ``rejected_trajectories.parquet`` and ``flow.zarr``.
+    index, experiment
+        What was analysed.
+    """
+    tracked = pq.ParquetFile(folder / "trajectories.parquet")
+    n_frames_of = _n_frames_of_trajectories(tracked)
+    material = resolve(experiment)
+    height_um, width_um = (side * experiment.pixel_size_um for side in index.shape)
+    return {
+        "n_frames": index.n_frames,
+        "duration_s": index.times_s[-1] - index.times_s[0],
+        "field_of_view_um": [width_um, height_um],
+        "delta_density_kg_m3": material.delta_density_kg_m3,
+        "viscosity_pa_s": material.viscosity_pa_s,
+        "detected": _sizes(pq.ParquetFile(folder / "droplets.parquet"), index.n_frames),
+        "tracked": _sizes(tracked, index.n_frames) | {"found_by_prediction_share": _share_predicted(tracked)},
+        "n_trajectories": len(n_frames_of),
+        "mean_trajectory_frames": float(n_frames_of.mean()) if len(n_frames_of) else None,
+        "n_rejected_trajectories": _rejected(folder / "rejected_trajectories.parquet"),
+        "flow": _flow(folder / "flow.zarr"),
+    }
+
+
+def _sizes(table: pq.ParquetFile, n_frames: int) -> dict[str, float | int | None]:
+    """Moments of the radii in a table of droplets; d32 = sum d^3 / sum d^2 is the Sauter diameter."""
+    sums = np.zeros(4)
+    for batch in table.iter_batches(columns=["r_um"]):
+        radius_um = batch["r_um"].to_numpy()
+        sums += [np.sum(radius_um**power) for power in range(4)]
+    n, first, second, third = sums
+    return {
+        "n_droplets": int(n),
+        "n_droplets_per_frame": float(n / n_frames),
+        "mean_radius_um": float(first / n) if n else None,
+        "radius_std_um": math.sqrt(max(second / n - (first / n) ** 2, 0.0)) if n else None,
+        "sauter_radius_um": float(third / second) if n else None,
+    }
+
+
+def _n_frames_of_trajectories(table: pq.ParquetFile) -> npt.NDArray[np.int64]:
+    """Rows of each trajectory; ids are sorted, and one may go on in the next batch."""
+    counts: Counter[int] = Counter()
+    for batch in table.iter_batches(columns=["trajectory_id"]):
+        ids, rows = np.unique(batch["trajectory_id"].to_numpy(), return_counts=True)
+        counts.update(dict(zip(ids.tolist(), rows.tolist(), strict=True)))
+    return np.fromiter(counts.values(), np.int64, len(counts))
+
+
+def _share_predicted(table: pq.ParquetFile) -> float | None:
+    n_predicted = sum(batch["is_detected"].false_count for batch in table.iter_batches(columns=["is_detected"]))
+    return n_predicted / table.metadata.num_rows if table.metadata.num_rows else None
+
+
+def _rejected(path: Path) -> dict[str, int]:
+    counts = Counter(pq.read_table(path, columns=["reason"])["reason"].to_pylist())
+    return dict(sorted(counts.items()))
+
+
+def _flow(path: Path) -> dict[str, float | None]:
+    """Mean and rms of the flow over all cells that were computed from droplets (section 4.6)."""
+    velocities, interpolated = (zarr.open_array(path / name, mode="r") for name in ("velocity_um_s", "is_interpolated"))
+    sums, n = np.zeros((2, 2)), 0
+    n_steps = velocities.shape[0]
+    for start in range(0, n_steps, _STEPS_AT_ONCE):
+        steps = slice(start, start + _STEPS_AT_ONCE)
+        is_computed = ~np.asarray(interpolated[steps])
+        velocity = np.moveaxis(np.asarray(velocities[steps], np.float64), 1, -1)[is_computed]
+        sums += [velocity.sum(axis=0), (velocity**2).sum(axis=0)]
+        n += len(velocity)
+    names = ("mean_u_um_s", "mean_v_um_s", "rms_u_um_s", "rms_v_um_s")
+    values = [*sums[0] / n, *np.sqrt(sums[1] / n)] if n else [None] * 4
+    cells = n_steps * int(np.prod(velocities.shape[2:]))
+    found = {name: None if value is None else float(value) for name, value in zip(names, values, strict=True)}
+    return found | {"computed_share": n / cells if cells else None}
