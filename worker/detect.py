@@ -7,7 +7,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from backend.platform.object_store import product_prefix
-from backend.platform.packing import pack_histograms
+from backend.platform.packing import pack
 from dropflow import pipeline
 from dropflow.statistics.histograms import FrameHistograms, frame_histograms, radius_edges_um
 from worker.context import Context
@@ -36,8 +36,7 @@ def work(context: Context, lease: Lease) -> None:
         )
     prefix = product_prefix(claim.experiment_id, claim.shard_id, claim.fence)
     context.store.put(prefix + DROPLETS_FILE, _parquet(table))
-    histogram = pack_histograms(count(film, table, frames))
-    publish(context, claim, NewProduct(prefix, histogram=histogram))
+    publish(context, claim, NewProduct(prefix, sizes=pack(count(film, table, frames))))
 
 
 def count(film: PreparedFilm, table: pa.Table, frames: range) -> FrameHistograms:

@@ -12,7 +12,7 @@ from uuid import UUID
 from sqlalchemy import func, select, update
 from sqlalchemy.orm import Session
 
-from backend.models import Experiment, Histogram, Product, Run, Shard
+from backend.models import Experiment, FrameSummary, Product, Run, Shard
 from backend.models.lifecycle import settle_cancel
 from backend.models.states import SHARD_RULES, rule
 from backend.platform.events import announce, experiment_topic, run_topic
@@ -28,7 +28,10 @@ class NewProduct:
 
     prefix: str
     files: list[dict[str, Any]] = field(default_factory=list)
-    histogram: bytes | None = None
+    sizes: bytes | None = None
+    """Packed `FrameHistograms`."""
+    flow: bytes | None = None
+    """Packed `FlowMoments`."""
     summary: dict[str, Any] | None = None
 
 
@@ -58,8 +61,8 @@ def publish(context: Context, claim: Claim, product: NewProduct, follow: Sequenc
         )
         session.add(row)
         session.flush()
-        if product.histogram is not None:
-            session.add(Histogram(product_id=row.id, content=product.histogram))
+        if product.sizes is not None:
+            session.add(FrameSummary(product_id=row.id, sizes=product.sizes, flow=product.flow))
         n_frames = claim.stop_frame - claim.start_frame
         end_shard(session, claim, "publish", product_id=row.id, done_frames=n_frames)
         if run.cancel_requested_at is not None:

@@ -9,11 +9,12 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from backend.platform.object_store import ObjectStore, product_prefix
-from backend.platform.packing import pack_histograms
+from backend.platform.packing import pack
 from backend.platform.zip_stream import stored_zip_bytes
 from dropflow import pipeline
 from dropflow.detections import write_droplets
 from dropflow.provenance import provenance
+from dropflow.statistics.flow_moments import flow_moments
 from dropflow.statistics.histograms import FrameHistograms
 from worker.context import Context
 from worker.detect import DROPLETS_FILE, count
@@ -48,10 +49,11 @@ def work(context: Context, lease: Lease) -> None:
                 folder=folder,
                 progress=lease,
             )
-        histogram = pack_histograms(_count_tracked(film, folder / "trajectories.parquet"))
+        sizes = pack(_count_tracked(film, folder / "trajectories.parquet"))
+        flow = pack(flow_moments(folder / FLOW, film.experiment.up))
         prefix = product_prefix(claim.experiment_id, claim.shard_id, claim.fence)
         _store(context.store, folder, prefix, lease)
-        publish(context, claim, NewProduct(prefix, _files(folder), histogram))
+        publish(context, claim, NewProduct(prefix, _files(folder), sizes, flow))
 
 
 def _join(store: ObjectStore, film: PreparedFilm, parts: list[str], folder: Path, lease: Lease) -> None:

@@ -3,15 +3,15 @@
 from backend.models.base import Base
 from backend.models.experiments import Experiment, File, Stack
 from backend.models.people import Group, Membership, Person
-from backend.models.runs import DoomedObject, Histogram, Product, Run, Shard, Stage
+from backend.models.runs import DoomedObject, FrameSummary, Product, Run, Shard, Stage
 
 __all__ = [
     "Base",
     "DoomedObject",
     "Experiment",
     "File",
+    "FrameSummary",
     "Group",
-    "Histogram",
     "Membership",
     "Person",
     "Product",

@@ -68,13 +68,16 @@ class Product(Identified, Dated, Base):
     """What the run that this completes shows of it."""
 
 
-class Histogram(Base):
-    """Droplet sizes by frame of one product, packed; dashboards merge and coarsen them."""
+class FrameSummary(Base):
+    """What dashboards show of each frame of one product, packed; they merge and coarsen it."""
 
-    __tablename__ = "histogram"
+    __tablename__ = "frame_summary"
 
     product_id: Mapped[UUID] = mapped_column(ForeignKey("product.id", ondelete="CASCADE"), primary_key=True)
-    content: Mapped[bytes] = mapped_column(LargeBinary)
+    sizes: Mapped[bytes] = mapped_column(LargeBinary)
+    """Droplets by radius: `dropflow.statistics.histograms.FrameHistograms`."""
+    flow: Mapped[bytes | None] = mapped_column(LargeBinary)
+    """`dropflow.statistics.flow_moments.FlowMoments`, once droplets were tracked."""
 
 
 class Shard(Identified, Dated, Base):

@@ -1,18 +1,18 @@
 """The figures of a run, from its histograms and its flow field."""
 
-import json
 from collections.abc import Sequence
 
 import numpy as np
 import plotly.graph_objects as go
 
 from backend.models import Run
-from backend.platform.packing import unpack_histograms
+from backend.platform.packing import unpack
 from backend.results.schemas import FrameDroplets, FrameFlow
 from dropflow import figures
 from dropflow.experiment import Experiment, parse_experiment
 from dropflow.frames import Frame
-from dropflow.statistics.histograms import merge
+from dropflow.statistics.flow_moments import FlowMoments
+from dropflow.statistics.histograms import FrameHistograms, merge
 
 TITLES = {
     "detect": "Droplet size distribution before tracking",
@@ -24,7 +24,7 @@ def size_distribution(run: Run, shape: tuple[int, int], task: str, packed: Seque
     """The size distribution over time, of the frames that are done."""
     experiment = parse_experiment(run.document)
     return figures.size_distribution(
-        merge(*map(unpack_histograms, packed)),
+        _merged(packed),
         area_um2=_area_um2(experiment, shape),
         observation_depth_um=experiment.observation_depth_um,
         title=TITLES[task],
@@ -36,7 +36,7 @@ def moments(run: Run, shape: tuple[int, int], packed: Sequence[bytes]) -> go.Fig
     """Number, radii and fraction over time, of the frames that are done."""
     experiment = parse_experiment(run.document)
     return figures.moments(
-        merge(*map(unpack_histograms, packed)),
+        _merged(packed),
         area_um2=_area_um2(experiment, shape),
         observation_depth_um=experiment.observation_depth_um,
         caption=_caption(run),
@@ -58,15 +58,25 @@ def flow_field(run: Run, flow: FrameFlow, droplets: FrameDroplets, image: Frame)
     )
 
 
+def flow_moments(run: Run, packed: bytes) -> go.Figure:
+    """Mean and rms of the flow over time."""
+    found = unpack(FlowMoments, packed)
+    return figures.flow_moments(found.time_s, found.mean_um_s, found.rms_um_s, caption=_caption(run))
+
+
 def as_json(figure: go.Figure) -> str:
     """A figure as the page takes it."""
     text: str = figure.to_json()
     return text
 
 
+def _merged(packed: Sequence[bytes]) -> FrameHistograms:
+    return merge(*(unpack(FrameHistograms, content) for content in packed))
+
+
 def _caption(run: Run) -> str:
     name = parse_experiment(run.document).name
-    method = json.loads(json.dumps(run.parameters))["detection"]["method"]
+    method = run.parameters["detection"]["method"]
     return figures.caption_of({"experiment": name, "run": run.number, "method": method, "dropflow": run.version})
 
 

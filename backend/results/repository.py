@@ -6,7 +6,7 @@ from uuid import UUID
 from sqlalchemy import Select, select
 from sqlalchemy.orm import Session
 
-from backend.models import Histogram, Product, Run, Shard
+from backend.models import FrameSummary, Product, Run, Shard
 from backend.platform.visibility import Viewer, visible_runs
 
 
@@ -28,13 +28,20 @@ def product(session: Session, viewer: Viewer, run_id: UUID, task: str, frame: in
     return session.scalar(query.limit(1))
 
 
-def histograms(session: Session, viewer: Viewer, run_id: UUID, task: str) -> list[bytes]:
+def sizes(session: Session, viewer: Viewer, run_id: UUID, task: str) -> list[bytes]:
     """The packed histograms of a task, as far as there are any."""
-    query = (
+    return list(session.scalars(_summaries(viewer, run_id, task).with_only_columns(FrameSummary.sizes)))
+
+
+def flow(session: Session, viewer: Viewer, run_id: UUID) -> bytes | None:
+    """The packed moments of the flow."""
+    return session.scalar(_summaries(viewer, run_id, "track").with_only_columns(FrameSummary.flow))
+
+
+def _summaries(viewer: Viewer, run_id: UUID, task: str) -> Select[Product]:
+    return (
         _products(viewer, run_id)
-        .with_only_columns(Histogram.content)
-        .join(Histogram, Histogram.product_id == Product.id)
+        .join(FrameSummary, FrameSummary.product_id == Product.id)
         .where(Shard.task == task)
         .order_by(Shard.start_frame)
     )
-    return list(session.scalars(query))

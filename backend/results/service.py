@@ -39,13 +39,19 @@ class Asker:
             raise NotYet
         return found
 
-    def histograms(self, *tasks: str) -> list[bytes]:
-        """Those of the first of `tasks` that has any."""
-        self.run()
+    def sizes(self, *tasks: str) -> list[bytes]:
+        """Packed histograms of the first of `tasks` that has any."""
         for task in tasks:
-            if found := repository.histograms(self.session, self.viewer, self.run_id, task):
+            if found := repository.sizes(self.session, self.viewer, self.run_id, task):
                 return found
         raise NotYet
+
+    def flow(self) -> bytes:
+        """Packed moments of the flow."""
+        found = repository.flow(self.session, self.viewer, self.run_id)
+        if found is None:
+            raise NotYet
+        return found
 
     def shape(self) -> tuple[int, int]:
         """Rows and columns of the frames."""
@@ -71,13 +77,13 @@ def film_figure(asker: Asker, name: FigureName) -> str:
     """A figure of the whole film, as Plotly JSON."""
     run, shape = asker.run(), asker.shape()
     if name is FigureName.SIZE_DISTRIBUTION_BEFORE:
-        return figures.as_json(figures.size_distribution(run, shape, "detect", asker.histograms("detect")))
+        return figures.as_json(figures.size_distribution(run, shape, "detect", asker.sizes("detect")))
     if name is FigureName.SIZE_DISTRIBUTION_AFTER:
-        return figures.as_json(figures.size_distribution(run, shape, "track", asker.histograms("track")))
+        return figures.as_json(figures.size_distribution(run, shape, "track", asker.sizes("track")))
     if name is FigureName.MOMENTS:
-        return figures.as_json(figures.moments(run, shape, asker.histograms("track", "detect")))
+        return figures.as_json(figures.moments(run, shape, asker.sizes("track", "detect")))
     if name is FigureName.FLOW_MOMENTS:
-        raise NotYet
+        return figures.as_json(figures.flow_moments(run, asker.flow()))
     raise FrameMissing
 
 
@@ -92,7 +98,7 @@ def files(asker: Asker) -> list[ResultFile]:
     """What there is to download so far."""
     asker.run()
     found = repository.products(asker.session, asker.viewer, asker.run_id)
-    return [ResultFile.model_validate(file) for product in found for file in product.files if product.task != "detect"]
+    return [ResultFile.model_validate(file) for product in found for file in product.files]
 
 
 def download(asker: Asker, store: ObjectStore, name: str) -> tuple[ResultFile, Iterator[bytes]]:
@@ -100,7 +106,7 @@ def download(asker: Asker, store: ObjectStore, name: str) -> tuple[ResultFile, I
     asker.run()
     for product in repository.products(asker.session, asker.viewer, asker.run_id):
         for file in product.files:
-            if file["name"] == name and product.task != "detect":
+            if file["name"] == name:
                 return ResultFile.model_validate(file), _bytes_of(store, product.prefix, name)
     raise NotYet if name in RESULT_NAMES else NoSuchResult
 

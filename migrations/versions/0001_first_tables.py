@@ -82,6 +82,7 @@ def upgrade() -> None:
         sa.Column("input_key", sa.String(length=64), nullable=False),
         sa.Column("prefix", sa.String(length=300), nullable=False),
         sa.Column("files", postgresql.JSONB(none_as_null=True, astext_type=sa.Text()), nullable=False),
+        sa.Column("summary", postgresql.JSONB(none_as_null=True, astext_type=sa.Text()), nullable=True),
         sa.Column("id", sa.Uuid(), nullable=False),
         sa.Column("created_at", sa.DateTime(timezone=True), server_default=sa.text("now()"), nullable=False),
         sa.ForeignKeyConstraint(
@@ -161,13 +162,14 @@ def upgrade() -> None:
         sa.PrimaryKeyConstraint("experiment_id", name=op.f("pk_stack")),
     )
     op.create_table(
-        "histogram",
+        "frame_summary",
         sa.Column("product_id", sa.Uuid(), nullable=False),
-        sa.Column("content", sa.LargeBinary(), nullable=False),
+        sa.Column("sizes", sa.LargeBinary(), nullable=False),
+        sa.Column("flow", sa.LargeBinary(), nullable=True),
         sa.ForeignKeyConstraint(
-            ["product_id"], ["product.id"], name=op.f("fk_histogram_product_id_product"), ondelete="CASCADE"
+            ["product_id"], ["product.id"], name=op.f("fk_frame_summary_product_id_product"), ondelete="CASCADE"
         ),
-        sa.PrimaryKeyConstraint("product_id", name=op.f("pk_histogram")),
+        sa.PrimaryKeyConstraint("product_id", name=op.f("pk_frame_summary")),
     )
     op.create_table(
         "shard",
@@ -256,7 +258,7 @@ def downgrade() -> None:
     op.drop_index("ix_shard_open", table_name="shard", postgresql_where="state IN ('queued', 'running')")
     op.drop_index(op.f("ix_shard_experiment_id"), table_name="shard")
     op.drop_table("shard")
-    op.drop_table("histogram")
+    op.drop_table("frame_summary")
     op.drop_table("stack")
     op.drop_table("run")
     op.drop_index(op.f("ix_product_experiment_id_product_input_key"), table_name="product")
