@@ -10,5 +10,11 @@ export default defineConfig({
   server: { host: "127.0.0.1", proxy: { "/api": `http://127.0.0.1:${apiPort}` } },
   // Plotly is one chunk of its own, loaded with the first plot.
   build: { chunkSizeWarningLimit: 2500, target: "es2022" },
-  test: { environment: "jsdom", include: ["src/**/*.test.{ts,tsx}"], setupFiles: ["src/testing.ts"] },
+  test: {
+    environment: "jsdom",
+    include: ["src/**/*.test.{ts,tsx}"],
+    setupFiles: ["src/testing.ts"],
+    isolate: false,
+    maxWorkers: 2,
+  },
 });

@@ -7,6 +7,14 @@ import { formatBytes, formatCount, formatDuration, formatTime } from "../platfor
 import { Moment } from "../platform/Moment";
 import { shown } from "../runs/differing";
 
+/** The order in which people think of a film; the store keeps none. */
+const ORDER = ["pixel_size_um", "frame_interval_s", "timestamps", "droplets", "phase", "material", "up"];
+
+function place(path: string): number {
+  const index = ORDER.indexOf(path.split(".")[0] ?? "");
+  return index < 0 ? ORDER.length : index;
+}
+
 const SHOWN_ELSEWHERE = new Set(["name", "tags", "notes"]);
 
 /** The description, field by field, with units. */
@@ -14,6 +22,7 @@ export function Description({ experiment }: { experiment: Experiment }) {
   const document = experiment.experiment;
   const facts = Object.entries(flatten(document))
     .filter(([path, value]) => !SHOWN_ELSEWHERE.has(path) && value !== null && value !== "")
+    .sort(([a], [b]) => place(a) - place(b))
     .map(([path, value]): Fact => [plainField(path), shownValue(path, value)]);
   return (
     <>

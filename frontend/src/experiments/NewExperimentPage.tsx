@@ -93,7 +93,7 @@ function NewExperiment({ schema }: { schema: JsonSchema }) {
               </Button>
               <Text fz="xs" c="dimmed" ta="center">
                 {sorted.frames.length > 0
-                  ? `${plural(sorted.frames.length, "file")} will be sent.`
+                  ? `${plural(itemsOf(sorted, document).length, "file")} will be sent.`
                   : "Frames can be added on the experiment’s page."}
               </Text>
             </Stack>

@@ -6,11 +6,13 @@ import {
   Input,
   SegmentedControl,
   Select,
+  SimpleGrid,
   Stack,
   TagsInput,
   Text,
   Textarea,
   TextInput,
+  VisuallyHidden,
 } from "@mantine/core";
 import type { ReactNode } from "react";
 import { formatNumber } from "../platform/format";
@@ -88,14 +90,12 @@ export function FieldInput(props: FieldInputProps) {
   }
 }
 
+/** The label; its unit stands at the end of the input, and in the label only for those who hear it. */
 function Label({ field }: { field: Field }) {
-  if (!field.unit) return field.label;
   return (
     <>
-      {field.label}{" "}
-      <Text span c="dimmed" fw={400} fz="inherit">
-        ({field.unit})
-      </Text>
+      {field.label}
+      {field.unit && <VisuallyHidden> ({field.unit})</VisuallyHidden>}
     </>
   );
 }
@@ -259,11 +259,11 @@ function VectorInput({ field, value, onChange, messages, length }: FieldInputPro
 
 function Inner({ fields, ...props }: FieldInputProps & { fields: Field[] }) {
   return (
-    <Stack gap="sm">
+    <SimpleGrid cols={{ base: 1, sm: 2 }} spacing="md" verticalSpacing="sm">
       {fields.map((field) => (
         <FieldInput key={field.path} {...props} field={field} value={props.valueOf(field.path)} />
       ))}
-    </Stack>
+    </SimpleGrid>
   );
 }
 

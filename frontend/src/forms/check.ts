@@ -14,8 +14,7 @@ function checkField(field: Field, document: Document, messages: Record<string, s
   const { input } = field;
   if (input.kind === "either") {
     const branch = input.branches[branchOf(input.branches, value)];
-    if (value === undefined && field.isRequired) messages[field.path] = "Please fill in.";
-    else if (branch) checkField(branch, document, messages);
+    if (branch && (value !== undefined || field.isRequired)) checkField(branch, document, messages);
   } else if (input.kind === "group") {
     for (const inner of input.fields) checkField(inner, document, messages);
   } else {

@@ -1,5 +1,6 @@
 import { Button, Skeleton, Stack } from "@mantine/core";
 import type { UseQueryResult } from "@tanstack/react-query";
+import { Link } from "@tanstack/react-router";
 import type { ReactNode } from "react";
 import { ProblemAlert } from "./ProblemAlert";
 import { toProblem } from "./problem";
@@ -17,9 +18,15 @@ export function QueryView<Data>({ query, loading, children }: QueryViewProps<Dat
     return (
       <ProblemAlert problem={toProblem(query.error)}>
         <div>
-          <Button size="xs" variant="default" loading={query.isFetching} onClick={() => query.refetch()}>
-            Try again
-          </Button>
+          {toProblem(query.error).status === 404 ? (
+            <Button size="xs" variant="default" renderRoot={(props) => <Link to="/" {...props} />}>
+              All experiments
+            </Button>
+          ) : (
+            <Button size="xs" variant="default" loading={query.isFetching} onClick={() => query.refetch()}>
+              Try again
+            </Button>
+          )}
         </div>
       </ProblemAlert>
     );

@@ -32,7 +32,10 @@ export function labelAndUnit(name: string): { label: string; unit: string } {
   return { label: readableWords(words), unit: ending ? (UNITS[ending] ?? "") : "" };
 }
 
+/** Symbols as words. */
+const WORDS: Record<string, string> = { "delta density": "density difference", r: "radius" };
+
 function readableWords(words: string): string {
-  const counted = words.replace(/^n (.+)/, "$1").replace(/^is /, "");
+  const counted = (WORDS[words] ?? words).replace(/^n (.+)/, "$1").replace(/^is /, "");
   return counted.charAt(0).toUpperCase() + counted.slice(1);
 }

@@ -1,9 +1,8 @@
 import { ActionIcon, Code, Group, Stack, Text } from "@mantine/core";
 import { IconX } from "@tabler/icons-react";
+import { useMemo } from "react";
 import { formatBytes, plural } from "../platform/format";
 import { type Found, totalBytes } from "./sorting";
-
-const N_NAMES = 3;
 
 /** What will be sent, as sums: a stack may have tens of thousands of files. */
 export function ChosenFiles({
@@ -41,17 +40,29 @@ export function ChosenFiles({
   );
 }
 
+/** The first and last of many names, in the order in which people count. */
 function Names({ names }: { names: string[] }) {
-  const shown = names.slice(0, N_NAMES);
+  const [first, last] = useMemo(() => endsOf(names), [names]);
   return (
     <>
-      {shown.map((name, index) => (
-        <span key={name}>
-          {index > 0 && ", "}
-          <Code>{name}</Code>
-        </span>
-      ))}
-      {names.length > shown.length && ", …"}
+      <Code>{first}</Code>
+      {last !== first && (
+        <>
+          {" "}
+          … <Code>{last}</Code>
+        </>
+      )}
     </>
   );
+}
+
+const NATURAL = new Intl.Collator("en", { numeric: true });
+
+export function endsOf(names: string[]): [first: string, last: string] {
+  let [first = "", last = ""] = [names[0], names[0]];
+  for (const name of names) {
+    if (NATURAL.compare(name, first) < 0) first = name;
+    if (NATURAL.compare(name, last) > 0) last = name;
+  }
+  return [first, last];
 }

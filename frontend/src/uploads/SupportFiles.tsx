@@ -86,7 +86,7 @@ export function SupportFiles({
                     {...props}
                     variant="default"
                     size="compact-sm"
-                    aria-label={`Choose the ${title.toLowerCase()} file`}
+                    aria-label={`${found ? "Change" : "Choose"} the ${title.toLowerCase()} file`}
                   >
                     {found ? "Change" : "Choose"}
                   </Button>

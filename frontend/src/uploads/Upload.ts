@@ -48,6 +48,8 @@ export class Upload {
   constructor(
     items: Item[],
     private readonly destination: Destination,
+    /** Before a file is tried again; twice as long each time. */
+    private readonly firstWait_ms = 500,
   ) {
     this.queue = [...items];
     this.state = {
@@ -106,6 +108,7 @@ export class Upload {
           current.file,
           (bytes) => this.progress(current, bytes),
           this.stopping.signal,
+          this.firstWait_ms,
         );
       } catch (error) {
         if (!this.stopping.signal.aborted) this.tell({ refused: current.name });

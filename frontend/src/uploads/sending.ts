@@ -2,7 +2,6 @@ import type { Problem } from "../client";
 import { ProblemError, problemFromAnswer, UNREACHABLE } from "../platform/problem";
 
 const TRIES = 4;
-const FIRST_WAIT_MS = 500;
 
 /** Whether the same bytes may succeed a moment later: no answer, an overloaded or failing server. */
 export function isPassing(problem: Problem): boolean {
@@ -15,7 +14,7 @@ export async function sendFile(
   file: Blob,
   onSent: (bytes: number) => void,
   signal: AbortSignal,
-  firstWait_ms = FIRST_WAIT_MS,
+  firstWait_ms: number,
 ): Promise<void> {
   for (let attempt = 1; ; attempt += 1) {
     try {

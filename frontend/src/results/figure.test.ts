@@ -1,0 +1,74 @@
+import { describe, expect, it } from "vitest";
+import { captionOf, type Figure, fitted, rangesFromRelayout, withCommonColours } from "./figure";
+
+const LOOK = { isDark: false, height: 400, width: 900 };
+
+const HEAT: Figure = {
+  data: [{ type: "heatmap", zmin: -8, zmax: -4, colorbar: { tickvals: [-8, -6, -4] } }],
+  layout: {
+    title: { text: "T" },
+    width: 760,
+    height: 520,
+    xaxis: { title: { text: "time t (s)" } },
+    yaxis: { type: "log", range: [0.6, 1.6], autorange: false },
+    annotations: [
+      { text: "experiment: a<br>run: 1", xref: "paper", yref: "paper", x: 0, y: 0, yshift: -50 },
+      { text: "no droplets", xref: "paper", yref: "paper", x: 0.5, y: 0.5 },
+    ],
+  },
+};
+
+describe("fitted", () => {
+  it("leaves title, width and caption to the page, and keeps what else is written on a figure", () => {
+    const { layout } = fitted(HEAT, LOOK);
+    expect(layout).not.toHaveProperty("title");
+    expect(layout).not.toHaveProperty("width");
+    expect(layout.annotations).toMatchObject([{ text: "no droplets" }]);
+    expect(captionOf(HEAT)).toBe("experiment: a run: 1");
+  });
+
+  it("sets ranges as the axes count them: a log axis in exponents", () => {
+    const { layout } = fitted(HEAT, { ...LOOK, ranges: { x: [1, 5], y: [10, 100] } });
+    expect(layout.xaxis).toMatchObject({ range: [1, 5], autorange: false });
+    expect(layout.yaxis).toMatchObject({ range: [1, 2], autorange: false });
+  });
+
+  it("leaves the range that the figure chose where the page says none", () => {
+    expect(fitted(HEAT, LOOK).layout.yaxis).toMatchObject({ range: [0.6, 1.6] });
+  });
+});
+
+describe("rangesFromRelayout", () => {
+  it("reads a zoom back in the units of the axes", () => {
+    const event = { "xaxis.range[0]": 2, "xaxis.range[1]": 8, "yaxis.range[0]": 0, "yaxis.range[1]": 2 };
+    expect(rangesFromRelayout(event, HEAT.layout)).toEqual({ x: [2, 8], y: [1, 100] });
+    expect(rangesFromRelayout({ "xaxis.range": [1, 3] }, HEAT.layout)).toEqual({ x: [1, 3] });
+  });
+
+  it("tells a zoom that was taken back from one that did not happen", () => {
+    expect(rangesFromRelayout({ "xaxis.autorange": true }, HEAT.layout)).toEqual({ x: null });
+    expect(rangesFromRelayout({ width: 500 }, HEAT.layout)).toEqual({});
+  });
+});
+
+describe("withCommonColours", () => {
+  const other: Figure = {
+    data: [{ type: "heatmap", zmin: -6, zmax: -3, colorbar: { tickvals: [-6] } }],
+    layout: {},
+  };
+
+  it("gives both figures the scale that holds all values, and one colour bar", () => {
+    const [left, right] = withCommonColours(HEAT, other);
+    expect(left?.data[0]).toMatchObject({ zmin: -8, zmax: -3, showscale: false });
+    expect(right?.data[0]).toMatchObject({
+      zmin: -8,
+      zmax: -3,
+      showscale: true,
+      colorbar: { tickvals: [-8, -6, -4] },
+    });
+  });
+
+  it("leaves a figure alone that has no partner yet", () => {
+    expect(withCommonColours(HEAT, null)).toEqual([HEAT, null]);
+  });
+});
