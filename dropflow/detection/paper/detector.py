@@ -64,9 +64,8 @@ class PaperDetector:
         climbed = self._climbed(image, candidates[is_first])
         # Different starts may have climbed to one droplet, hence duplicates are looked for once more.
         is_second = is_unique(climbed.x_px, climbed.y_px, climbed.r_px, climbed.match, knobs=self.knobs)
-        is_range = (climbed.r_px >= self.r_min_px) & (climbed.r_px <= self.r_max_px)
         is_match = climbed.match > self.knobs.minimum_match
-        reasons = np.select([~is_second, ~is_range, ~is_match], ["duplicate", "radius", "match"], default="")
+        reasons = np.select([~is_second, ~self._is_looked_for(climbed), ~is_match], ["duplicate", "radius", "match"], default="")
         is_bad = reasons != ""
         told = ("duplicate",) * int(np.count_nonzero(~is_first)) + tuple(str(reason) for reason in reasons[is_bad])
         rejected = Rejected(Droplets.concatenate([first[~is_first], climbed[is_bad]]), told)
@@ -79,7 +78,7 @@ class PaperDetector:
         # A strategy's radius is a first guess: it may leave the range as far as a similar radius goes.
         r_min_px = self.r_min_px * self.knobs.similar_ratio_min / factor
         r_max_px = self.r_max_px * self.knobs.similar_ratio_max / factor
-        background = measure_background(small)
+        background = measure_background(small, r_min_px=self.r_min_px / factor)
         levels = threshold_levels(background, self.knobs)
         found = [find_by_threshold(small, level, r_min_px=r_min_px, r_max_px=r_max_px) for level in levels]
         height = max(self.knobs.maxima_height, self.knobs.noise_margin * background.noise)
@@ -97,8 +96,12 @@ class PaperDetector:
         walk = np.hypot(found.x_px - predicted.x_px, found.y_px - predicted.y_px)
         is_good = (found.match > self.knobs.minimum_match) & (walk <= self.knobs.search_walk * predicted.r_px)
         is_good &= is_similar(found.r_px, predicted.r_px, self.knobs)
-        is_good &= (found.r_px >= self.r_min_px) & (found.r_px <= self.r_max_px)
-        return found, is_good
+        return found, is_good & self._is_looked_for(found)
+
+    def _is_looked_for(self, droplets: Droplets) -> Flags:
+        """Whether the radius may, within its standard deviation, be one of the range looked for."""
+        is_big = droplets.r_px + droplets.r_std_px >= self.r_min_px
+        return is_big & (droplets.r_px - droplets.r_std_px <= self.r_max_px)
 
     def _climbed(self, image: Image, circles: Circles) -> Droplets:
         """Droplets where the match is at its local maximum."""

@@ -1,7 +1,7 @@
 """The first strategy of section 3.1.2: thresholds, and maxima of the distance to the background."""
 
 from dataclasses import dataclass
-from math import log, sqrt
+from math import sqrt
 
 import cv2
 import numpy as np
@@ -14,6 +14,11 @@ Image = npt.NDArray[np.float32]
 Mask = npt.NDArray[np.uint8]
 
 
+N_LEVELS = 256
+SIGMA_OVER_MEDIAN = 1.4826
+"""Standard deviation of normal noise over the median of its absolute value."""
+
+
 @dataclass(frozen=True)
 class Background:
     """Grey level and noise of what is between the droplets, in levels 0 to 255."""
@@ -23,17 +28,24 @@ class Background:
     """Standard deviation."""
 
 
-def measure_background(image: Image) -> Background:
-    """Take the most frequent grey level and, for the noise, half the width of the histogram's peak on its dark side.
+def measure_background(image: Image, *, r_min_px: float) -> Background:
+    """Take the most frequent grey level and, for the noise, how unlike neighbours one smallest radius apart are.
 
-    The bright side of that peak holds droplets, hence only the other is looked at.
+    Noise is uncorrelated over that distance. The second difference takes no notice of slopes, and its median none of
+    droplets, unless they cover half of the frame; the width of the histogram's peak would count shadows as noise.
     """
-    counts = cv2.calcHist([image], [0], None, [256], [0, 256]).ravel()
+    counts = cv2.calcHist([image], [0], None, [N_LEVELS], [0, N_LEVELS]).ravel()
     smoothed = np.convolve(counts, np.ones(5) / 5, mode="same")
-    peak = int(np.argmax(smoothed))
-    below = np.flatnonzero(smoothed[: peak + 1] < smoothed[peak] / 2)
-    width = peak - int(below[-1]) if below.size else peak
-    return Background(level=peak + 0.5, noise=width / sqrt(2 * log(2)))
+    return Background(level=float(np.argmax(smoothed)) + 0.5, noise=_noise(image, apart=max(1, round(r_min_px))))
+
+
+def _noise(image: Image, apart: int) -> float:
+    """Standard deviation of normal noise with the median second difference of `image` along x."""
+    sampled = image[:: max(1, image.shape[0] // 1000)]
+    along_x = sampled[:, : -2 * apart] - 2 * sampled[:, apart:-apart] + sampled[:, 2 * apart :]
+    if along_x.size == 0:
+        return 0.0
+    return float(np.median(np.abs(along_x))) * SIGMA_OVER_MEDIAN / sqrt(6)
 
 
 def threshold_levels(background: Background, knobs: PaperDetection) -> tuple[float, float]:
