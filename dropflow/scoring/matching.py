@@ -65,9 +65,11 @@ def match_to_truth(results: pa.Table, truth: pa.Table) -> Matching:
 def assign(found: Column, real: Column) -> tuple[Rows, Rows]:
     """Indices of matched pairs among x, y, r of shape (n, 3) and (m, 3), in pixels."""
     gates = np.maximum(MIN_GATE_PX, GATE_OVER_RADIUS * real[:, 2])
+    if len(found) == 0 or len(real) == 0:
+        return np.empty(0, np.int64), np.empty(0, np.int64)
     near = cKDTree(found[:, :2]).query_ball_point(real[:, :2], gates)
     column = np.repeat(np.arange(len(real)), [len(rows) for rows in near])
-    row = np.concatenate([np.asarray(rows, np.int64) for rows in near] or [np.empty(0, np.int64)])
+    row = np.concatenate([np.asarray(rows, np.int64) for rows in near])
     log_ratio = np.abs(np.log(found[row, 2] / real[column, 2]))
     distance = np.hypot(found[row, 0] - real[column, 0], found[row, 1] - real[column, 1])
     is_possible = log_ratio <= np.log(MAX_RADIUS_RATIO)
@@ -107,4 +109,5 @@ def _rows_by_frame(table: pa.Table) -> dict[int, Rows]:
     frames = table["frame"].to_numpy()
     order = np.argsort(frames, kind="stable")
     values, starts = np.unique(frames[order], return_index=True)
-    return dict(zip(values.tolist(), np.split(order, starts[1:]), strict=True))
+    ends = np.append(starts, len(order))[1:]
+    return {int(frame): order[start:end] for frame, start, end in zip(values, starts, ends, strict=True)}

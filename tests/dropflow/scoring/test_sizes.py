@@ -1,0 +1,43 @@
+import pytest
+
+from dropflow.scoring import match_to_truth, score_size_distribution
+from tests.dropflow.scoring.hand_made import as_results, results, straight_paths, truth
+
+PATHS = straight_paths(4, 5)
+
+
+def _score(found: list[dict], real: list[dict] = PATHS):
+    return score_size_distribution(match_to_truth(results(found), truth(real)))
+
+
+def test_the_truth_itself_has_no_distance() -> None:
+    score = _score(as_results(PATHS))
+    assert (score.l1, score.l1_shape) == (0, 0)
+
+
+def test_false_droplets_count_by_their_number() -> None:
+    ghosts = [{"frame": frame, "x_px": 900.0, "r_px": 70.0} for frame in range(5)]
+    score = _score([*as_results(PATHS), *ghosts])
+    assert score.l1 == pytest.approx(5 / 20)
+    assert score.l1_shape == pytest.approx(2 * 5 / 25)
+
+
+def test_droplets_missed_alike_change_the_number_but_not_the_shape() -> None:
+    score = _score([row for row in as_results(PATHS) if row["frame"] != 0])
+    assert score.l1 == pytest.approx(4 / 20)
+    assert score.l1_shape == pytest.approx(0)
+
+
+def test_wrong_radii_count_twice() -> None:
+    score = _score([row | ({"r_px": 12.0} if row["trajectory_id"] == 0 else {}) for row in as_results(PATHS)])
+    assert score.l1 == pytest.approx(10 / 20)
+
+
+def test_borderline_droplets_count_neither_way() -> None:
+    real = [row | ({"visibility": "borderline"} if row["droplet_id"] == 3 else {}) for row in PATHS]
+    assert _score(as_results(PATHS), real).l1 == 0
+
+
+def test_no_result_at_all_gives_one() -> None:
+    score = _score([])
+    assert (score.l1, score.l1_shape) == (1, None)
