@@ -89,3 +89,11 @@ def test_every_number_among_the_parameters_says_its_unit_and_meaning() -> None:
             assert field.get("description") or "$ref" in field, name
             if field.get("type") in {"number", "integer"}:
                 assert {"unit", "paper_value", "minimum", "maximum"} <= field.keys(), name
+
+
+@pytest.mark.parametrize("phase", ["bottom", "top"])
+def test_both_phases_of_the_paper_are_examples(phase: str) -> None:
+    experiment = load_experiment(Path(__file__).parents[2] / "examples" / f"{phase}-phase.yaml")
+    assert experiment.phase == phase
+    assert isinstance(experiment.material, FixedMaterial)
+    assert (experiment.material.delta_density_kg_m3 < 0) == (phase == "bottom")
