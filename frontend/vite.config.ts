@@ -7,6 +7,8 @@ export default defineConfig({
   // Relative addresses: the page works under any prefix (see index.html for the one thing the server sets).
   base: "./",
   plugins: [react()],
+  // Modules that plotly.js brings along were written for Node.
+  define: { global: "globalThis" },
   server: { host: "127.0.0.1", proxy: { "/api": `http://127.0.0.1:${apiPort}` } },
   // Plotly is one chunk of its own, loaded with the first plot.
   build: { chunkSizeWarningLimit: 2500, target: "es2022" },

@@ -68,7 +68,13 @@ function NoExperiments() {
 
 function ExperimentTable({ experiments }: { experiments: Experiment[] }) {
   return (
-    <Table.ScrollContainer minWidth={720} type="native" tabIndex={0} role="region" aria-label="Experiments">
+    <Table.ScrollContainer
+      minWidth={720}
+      type="native"
+      tabIndex={0}
+      role="region"
+      aria-label="Table of experiments"
+    >
       <Table verticalSpacing="sm" highlightOnHover className="on-paper">
         <Table.Thead>
           <Table.Tr>

@@ -27,7 +27,13 @@ export function FilesTab({ run }: { run: Run }) {
           files.length === 0 ? (
             <NotYet run={run} />
           ) : (
-            <Table.ScrollContainer minWidth={520} type="native" tabIndex={0} role="region" aria-label="Files">
+            <Table.ScrollContainer
+              minWidth={520}
+              type="native"
+              tabIndex={0}
+              role="region"
+              aria-label="Table of files"
+            >
               <Table verticalSpacing="sm">
                 <Table.Thead>
                   <Table.Tr>

@@ -1,6 +1,8 @@
 import { Text, useComputedColorScheme } from "@mantine/core";
 import { useElementSize } from "@mantine/hooks";
 import { useEffect, useRef, useState } from "react";
+import { ProblemAlert } from "../platform/ProblemAlert";
+import { toProblem } from "../platform/problem";
 import { Loading } from "../platform/QueryView";
 import { captionOf, type Figure, fitted, type Layout, type Ranges, rangesFromRelayout } from "./figure";
 
@@ -20,7 +22,7 @@ export function Plot({ figure, label, height = 420, ranges, onRanges }: PlotProp
   const isDark = useComputedColorScheme("light") === "dark";
   const { ref: box, width } = useElementSize();
   const target = useRef<HTMLDivElement>(null);
-  const plotly = usePlotly();
+  const { plotly, error } = usePlotly();
   const told = useRef(onRanges);
   const drawn = useRef<Layout>({});
   useEffect(() => {
@@ -49,6 +51,7 @@ export function Plot({ figure, label, height = 420, ranges, onRanges }: PlotProp
     };
   }, [plotly]);
 
+  if (error) return <ProblemAlert problem={toProblem(error)} title="The plot could not be drawn" />;
   const caption = captionOf(figure);
   return (
     <figure style={{ margin: 0, minWidth: 0 }} aria-label={label}>
@@ -79,14 +82,19 @@ function configFor(label: string): object {
   };
 }
 
-function usePlotly(): PlotlyModule | null {
+/** Plotly, once it is loaded; or why it could not be. */
+function usePlotly(): { plotly: PlotlyModule | null; error: unknown } {
   const [plotly, setPlotly] = useState<PlotlyModule | null>(null);
+  const [error, setError] = useState<unknown>(null);
   useEffect(() => {
     let isWanted = true;
-    void import("./plotly").then((module) => isWanted && setPlotly(() => module.default));
+    import("./plotly").then(
+      (module) => isWanted && setPlotly(() => module.default),
+      (reason: unknown) => isWanted && setError(reason),
+    );
     return () => {
       isWanted = false;
     };
   }, []);
-  return plotly;
+  return { plotly, error };
 }

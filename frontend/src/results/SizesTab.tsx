@@ -1,11 +1,11 @@
-import { Button, SimpleGrid, Text } from "@mantine/core";
+import { Button, Text } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
-import { useMemo } from "react";
+import { type CSSProperties, useMemo } from "react";
 import type { Run } from "../client";
 import { Panel } from "../platform/Panel";
 import { Loading, QueryView } from "../platform/QueryView";
 import { isActive } from "../runs/states";
-import { type Figure, withCommonColours } from "./figure";
+import { COLOUR_BAR_PX, type Figure, withCommonColours } from "./figure";
 import { NotYet } from "./NotYet";
 import { Plot } from "./Plot";
 import { figureQuery } from "./queries";
@@ -41,7 +41,7 @@ export function SizesTab({ run }: { run: Run }) {
         )
       }
     >
-      <SimpleGrid cols={{ base: 1, md: 2 }} spacing="md">
+      <div className="side-by-side">
         <div>
           <Text fw={500} fz="sm" mb={4}>
             Before tracking
@@ -56,7 +56,8 @@ export function SizesTab({ run }: { run: Run }) {
             }
           </QueryView>
         </div>
-        <div>
+        {/* Wider by the colour bar, so that both time axes are of one length. */}
+        <div style={{ "--wider-by": `${COLOUR_BAR_PX}px` } as CSSProperties}>
           <Text fw={500} fz="sm" mb={4}>
             After tracking
           </Text>
@@ -70,7 +71,7 @@ export function SizesTab({ run }: { run: Run }) {
             }
           </QueryView>
         </div>
-      </SimpleGrid>
+      </div>
     </Panel>
   );
 }

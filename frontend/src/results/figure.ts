@@ -31,7 +31,7 @@ export function fitted({ data, layout }: Figure, look: Look): Figure {
     paper_bgcolor: "rgba(0,0,0,0)",
     plot_bgcolor: "rgba(0,0,0,0)",
     font: { family: "Inter Variable, sans-serif", size: 12, color: ink },
-    margin: { l: 62, r: isNarrow ? 16 : marginRight(layout), t: 16, b: 48 },
+    margin: { l: 62, r: isNarrow && !hasColourBar(data) ? 16 : marginRight(data, layout), t: 16, b: 48 },
     legend: {
       ...(layout.legend as Json),
       ...legendPlace(layout, isNarrow),
@@ -70,14 +70,23 @@ function inked(note: Json, ink: string): Json {
   return { ...note, font: { ...(note.font as Json), color: ink } };
 }
 
-/** Room that the figure itself asked for beside its axes, for a legend there. */
-function marginRight(layout: Layout): number {
+export const MARGIN_PX = 16;
+/** Beside the axes, for a colour bar with its title. */
+export const COLOUR_BAR_PX = 92;
+
+function hasColourBar(data: Trace[]): boolean {
+  return data.some(({ colorbar, showscale }) => colorbar && showscale !== false);
+}
+
+/** Room beside the axes: for a colour bar, or what the figure itself asked for, for a legend there. */
+function marginRight(data: Trace[], layout: Layout): number {
+  if (hasColourBar(data)) return MARGIN_PX + COLOUR_BAR_PX;
   const margin = layout.margin as { r?: number } | undefined;
-  return Math.max(16, margin?.r ?? 16);
+  return data.some(({ colorbar }) => colorbar) ? MARGIN_PX : Math.max(MARGIN_PX, margin?.r ?? MARGIN_PX);
 }
 
 function legendPlace(layout: Layout, isNarrow: boolean): Json {
-  const isBeside = marginRight(layout) > 100;
+  const isBeside = marginRight([], layout) > 100;
   return isBeside && isNarrow ? { orientation: "h", x: 0, y: -0.12, xanchor: "left", yanchor: "top" } : {};
 }
 

@@ -83,10 +83,12 @@ const HEAD_SHARE = 0.32;
 const HEAD_MAX = 8;
 
 function paintArrows(context: Context, scale: number, arrows: Arrow[], layer: Layer): void {
-  // A dark edge keeps arrows readable on bright droplets.
+  // A dark edge keeps arrows readable on bright droplets; interpolated ones stand back.
+  const isFaint = layer === "interpolated";
+  context.globalAlpha = isFaint ? 0.75 : 1;
   for (const [colour, width] of [
-    ["rgba(0, 0, 0, 0.55)", 3.4],
-    [LAYER_COLOURS[layer], 1.6],
+    ["rgba(0, 0, 0, 0.5)", isFaint ? 2.4 : 3.4],
+    [LAYER_COLOURS[layer], isFaint ? 1 : 1.7],
   ] as const) {
     context.strokeStyle = colour;
     context.lineWidth = width;
@@ -96,6 +98,7 @@ function paintArrows(context: Context, scale: number, arrows: Arrow[], layer: La
     for (const arrow of arrows) traceArrow(context, scale, arrow);
     context.stroke();
   }
+  context.globalAlpha = 1;
 }
 
 function traceArrow(context: Context, scale: number, { x_px, y_px, dx_px, dy_px }: Arrow): void {

@@ -53,8 +53,8 @@ function Constants({ group, ...form }: Omit<ParameterFormProps, "fields"> & { gr
       <Button
         variant="default"
         size="xs"
-        justify="space-between"
         fullWidth
+        styles={{ inner: { justifyContent: "flex-start" }, label: { flex: 1 } }}
         aria-expanded={isOpen}
         onClick={() => setOpened(!isOpen)}
         leftSection={

@@ -19,7 +19,13 @@ export function RunName({ number, size = "sm" }: { number: number; size?: string
         aria-hidden
         style={{ width: 10, height: 10, borderRadius: "50%", background: colourOfRun(number), flex: "none" }}
       />
-      <Text span fz={size} fw={500} inherit={size === "inherit"} style={{ whiteSpace: "nowrap" }}>
+      <Text
+        span
+        fz={size}
+        fw={size === "inherit" ? "inherit" : 500}
+        inherit={size === "inherit"}
+        style={{ whiteSpace: "nowrap" }}
+      >
         Run {number}
       </Text>
     </Group>

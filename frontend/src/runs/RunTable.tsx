@@ -12,7 +12,7 @@ import { nDroplets } from "./summary";
 export function RunTable({ runs }: { runs: Run[] }) {
   const differences = differing(runs.map(({ parameters }) => parameters));
   return (
-    <Table.ScrollContainer minWidth={560} type="native" tabIndex={0} role="region" aria-label="Runs">
+    <Table.ScrollContainer minWidth={560} type="native" tabIndex={0} role="region" aria-label="Table of runs">
       <Table verticalSpacing="xs" highlightOnHover>
         <Table.Thead>
           <Table.Tr>

@@ -4,6 +4,7 @@ import { colourOfRun } from "./colour";
 import { differing } from "./differing";
 import { detailsOf, percentOf } from "./StageProgress";
 import { doneShare } from "./states";
+import { keyNumbers, shownNumber } from "./summary";
 
 const STAGE: Stage = {
   name: "detect",
@@ -52,4 +53,26 @@ it("a completed stage is whole, however its frames were counted", () => {
 it("a run has the same colour wherever it is shown, and its neighbours another", () => {
   expect(colourOfRun(3)).toBe(colourOfRun(3));
   expect(new Set([1, 2, 3, 4, 5, 6, 7, 8].map(colourOfRun)).size).toBe(8);
+});
+
+it("the key numbers of a summary carry their units, and those that are missing are left out", () => {
+  const summary = {
+    detected: { n_droplets: 14610, n_droplets_per_frame: 36.5 },
+    tracked: { found_by_prediction_share: 0.0654 },
+    flow: { rms_u_um_s: 3, rms_v_um_s: 4 },
+  };
+  expect(keyNumbers(summary)).toEqual([
+    { name: "Droplets detected", value: "14\u2009610", about: "36.5 a frame" },
+    { name: "Flow, rms", value: "5", unit: "µm/s", about: "3 along x, 4 along y" },
+    { name: "Found by prediction", value: "6.54", unit: "%", about: "of tracked droplets" },
+  ]);
+  expect(keyNumbers(null)).toEqual([]);
+});
+
+it("numbers of a summary are shown in the units their names say", () => {
+  expect([
+    shownNumber("computed_share", 0.299),
+    shownNumber("field_of_view_um", [382.5, 320]),
+    shownNumber("n_frames", 40),
+  ]).toEqual(["29.9 %", "382.5 × 320 µm", "40"]);
 });
