@@ -19,8 +19,10 @@ class SizeScore:
 
     l1: float | None
     """Sum over bins of |n - true n|, over the number of true droplets: 0 is perfect, no result at all gives 1."""
+    l1_any: float | None
+    """The same without the results that match a real droplet which counts as not visible."""
     l1_shape: float | None
-    """Sum over bins of |share - true share|, from 0 to 2: the same without the numbers."""
+    """Sum over bins of |share - true share|, from 0 to 2: as `l1`, without the numbers."""
 
 
 def score_size_distribution(matching: Matching) -> SizeScore:
@@ -32,9 +34,12 @@ def score_size_distribution(matching: Matching) -> SizeScore:
     is_visible = matching.truth_is(Visibility.VISIBLE)
     counts = ~matching.is_matched_to(Visibility.BORDERLINE)
     true = _counts(matching.truth["r_um"].to_numpy()[is_visible])
-    found = _counts(matching.results["r_um"].to_numpy()[counts])
+    r_um = matching.results["r_um"].to_numpy()
+    found = _counts(r_um[counts])
+    found_any = _counts(r_um[counts & ~matching.is_matched_to(Visibility.NOT)])
     return SizeScore(
         l1=share(float(np.abs(found - true).sum()), float(true.sum())),
+        l1_any=share(float(np.abs(found_any - true).sum()), float(true.sum())),
         l1_shape=float(np.abs(found / found.sum() - true / true.sum()).sum()) if found.any() and true.any() else None,
     )
 

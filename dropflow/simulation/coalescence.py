@@ -48,8 +48,18 @@ def merging_pairs(cloud: Cloud, n_old: int, efficiency: float) -> Pairs:
     """Indices (n, 2), i < j and j >= `n_old`, of droplets that touch and do not pass each other."""
     if efficiency == 0.0 or len(cloud) < 2:
         return np.empty((0, 2), np.int64)
-    order = np.argsort(cloud.x_um, kind="stable")
-    pairs = _touching(order, cloud.x_um, cloud.y_um, cloud.z_um, cloud.r_um, cloud.droplet_id, n_old, efficiency)
+    order = np.argsort(cloud.x_um)
+    sorted_by_x = cloud[order]
+    pairs = _touching(
+        order,
+        sorted_by_x.x_um,
+        sorted_by_x.y_um,
+        sorted_by_x.z_um,
+        sorted_by_x.r_um,
+        sorted_by_x.droplet_id,
+        n_old,
+        efficiency,
+    )
     return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
 
 
@@ -67,18 +77,16 @@ def _touching(
     largest = r.max()
     found = [(np.int64(0), np.int64(0))][:0]
     for a in range(order.size):
-        i = order[a]
         for b in range(a + 1, order.size):
-            j = order[b]
-            if x[j] - x[i] > r[i] + largest:
+            if x[b] - x[a] > r[a] + largest:
                 break
-            if max(i, j) < n_old:
+            touch = r[a] + r[b]
+            if abs(y[b] - y[a]) > touch or max(order[a], order[b]) < n_old:
                 continue
-            touch = r[i] + r[j]
-            if (x[j] - x[i]) ** 2 + (y[j] - y[i]) ** 2 + (z[j] - z[i]) ** 2 > touch * touch:
+            if (x[b] - x[a]) ** 2 + (y[b] - y[a]) ** 2 + (z[b] - z[a]) ** 2 > touch * touch:
                 continue
-            if _chance(droplet_id[i], droplet_id[j]) < efficiency:
-                found.append((min(i, j), max(i, j)))
+            if _chance(droplet_id[a], droplet_id[b]) < efficiency:
+                found.append((min(order[a], order[b]), max(order[a], order[b])))
     pairs = np.empty((len(found), 2), np.int64)
     for k in range(len(found)):
         pairs[k, 0], pairs[k, 1] = found[k]

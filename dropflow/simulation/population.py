@@ -108,8 +108,8 @@ class Population:
         velocity = self._flow.velocity_um_s(shell.x_um, shell.y_um, self.time_s)
         velocity += np.array([rise * UP[0], rise * UP[1], np.zeros_like(rise)])
         shell = shell.moved(velocity, step_s)
-        self._add(shell[self._reservoir.contains(shell)])
-        self._add(self._reservoir.nucleated(step_s, self._rng))
+        coming = shell[self._reservoir.contains(shell)]
+        self._add(coming.followed_by(self._reservoir.nucleated(step_s, self._rng)))
 
     def _add(self, new: Cloud) -> None:
         n_old = len(self.cloud)

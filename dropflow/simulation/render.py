@@ -96,4 +96,4 @@ def _draw(
                     continue
                 part = place - k
                 seen[row, column] += passed[row, column] * (light[k] + part * (light[k + 1] - light[k]))
-                passed[row, column] *= 1.0 - (opaque[k] + part * (opaque[k + 1] - opaque[k]))
+                passed[row, column] *= max(1.0 - (opaque[k] + part * (opaque[k + 1] - opaque[k])), 0.0)

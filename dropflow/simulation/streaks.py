@@ -13,6 +13,8 @@ Picture = npt.NDArray[np.float32]
 _N_UPSTREAM_WAVES = 48
 _UPSTREAM_WIDTH_UM = 8.0
 _UPSTREAM_TIME_S = 5.0
+_FINEST_STREAK_PX = 1.5
+"""The lamp is not a point: no streak is finer than this (standard deviation)."""
 
 
 def upstream_streaks(scenario: Scenario, time_s: float, seed: int) -> Picture:
@@ -57,11 +59,14 @@ def _add_sources(source: Picture, x: Column, y: Column, r: Column, strength: Col
         right, left = int(np.ceil(x[i] + 0.7 * r[i])), int(np.floor(x[i] - 0.7 * r[i]))
         if right < 0 or left - width > 5.0 / (1.0 - decay):
             continue
-        top, bottom = max(int(y[i] - 2.0 * r[i]), 0), min(int(y[i] + 2.0 * r[i]) + 1, height - 1)
+        core = max(0.22 * r[i], _FINEST_STREAK_PX)
+        reach = max(2.0 * r[i], 4.0 * core)
+        top, bottom = max(int(y[i] - reach), 0), min(int(y[i] + reach) + 1, height - 1)
         for row in range(top, bottom + 1):
-            d = ((row - y[i]) / r[i]) ** 2
-            profile = 1.3 * np.exp(-0.5 * d / 0.0484) - 0.55 * np.exp(-0.5 * d / 0.36)
-            change = strength[i] * profile / (right - left + 1)
+            d2 = (row - y[i]) ** 2
+            bright = 1.3 * (0.22 * r[i] / core) * np.exp(-0.5 * d2 / (core * core))
+            shadow = 0.55 * np.exp(-0.5 * d2 / (0.36 * r[i] * r[i]))
+            change = strength[i] * (bright - shadow) / (right - left + 1)
             for column in range(left, right + 1):
                 if column >= width:
                     source[width - 1, row] += change * decay ** (column - width + 1)

@@ -62,6 +62,7 @@ LEAST_CONTRAST = 0.5
 MIN_INSIDE, LEAST_INSIDE = 0.75, 0.4
 MAX_HIDDEN, MOST_HIDDEN = 0.5, 0.9
 _N_PROBES = 64
+_N_STRIPS = 256
 
 
 class Visibility(StrEnum):
@@ -91,7 +92,8 @@ def truth_table(cloud: Cloud, motion: Motion, scenario: Scenario, *, frame: int,
     light = gradient_light(y_px, scenario)
     contrast = light * optics.own_contrast(cloud.r_um, cloud.z_um, scenario)
     blur_px = optics.blur_px(cloud.z_um, scenario)
-    hidden = hidden_fraction(cloud, scenario)
+    is_in_truth = (inside > 0) & (contrast >= LEAST_CONTRAST)
+    hidden = hidden_fraction(cloud, scenario, is_in_truth)
     columns = {
         "frame": np.full(len(cloud), frame, np.int32),
         "time_s": np.full(len(cloud), time_s),
@@ -110,7 +112,7 @@ def truth_table(cloud: Cloud, motion: Motion, scenario: Scenario, *, frame: int,
         "hidden_fraction": hidden,
         "visibility": visibility(blur_px / r_px, contrast, inside, hidden),
     }
-    return pa.table(columns, schema=TRUTH).filter(pa.array((inside > 0) & (contrast >= LEAST_CONTRAST)))
+    return pa.table(columns, schema=TRUTH).filter(pa.array(is_in_truth))
 
 
 def visibility(blur_over_r: Column, contrast: Column, inside: Column, hidden: Column) -> npt.NDArray[np.str_]:
@@ -136,8 +138,11 @@ def inside_fraction(x_px: Column, y_px: Column, r_px: Column, height_px: int, wi
     return np.asarray(_inside(x_px, y_px, r_px, height_px, width_px))
 
 
-def hidden_fraction(cloud: Cloud, scenario: Scenario) -> Column:
-    """Share of each droplet's light that nearer droplets take away, as a mean over points of its disk."""
+def hidden_fraction(cloud: Cloud, scenario: Scenario, is_asked: npt.NDArray[np.bool_] | None = None) -> Column:
+    """Share of each droplet's light that nearer droplets take away, as a mean over points of its disk.
+
+    Only where `is_asked` is true, if it is given; the others get 0 but hide as well.
+    """
     order = np.argsort(cloud.y_um, kind="stable")
     hidden = np.empty(len(cloud))
     hidden[order] = _hidden(
@@ -145,6 +150,7 @@ def hidden_fraction(cloud: Cloud, scenario: Scenario) -> Column:
         cloud.y_um[order],
         cloud.z_um[order],
         cloud.r_um[order],
+        np.ones(len(cloud), bool) if is_asked is None else is_asked[order],
         scenario.opacity,
         scenario.opacity_depth_um,
     )
@@ -154,33 +160,50 @@ def hidden_fraction(cloud: Cloud, scenario: Scenario) -> Column:
 @numba.njit(cache=True, error_model="numpy")
 def _inside(x: Column, y: Column, r: Column, height: int, width: int) -> Column:
     share = np.ones(x.size)
-    n_strips = 256
+    # Strips of equal angle: the chord's ends, where a disk's outline is steep, get narrow ones.
+    angle = np.pi * (np.arange(_N_STRIPS) + 0.5) / _N_STRIPS
+    cosine, sine = np.cos(angle), np.sin(angle)
     for i in range(x.size):
+        if x[i] + r[i] <= -0.5 or x[i] - r[i] >= width - 0.5 or y[i] + r[i] <= -0.5 or y[i] - r[i] >= height - 0.5:
+            share[i] = 0.0
+            continue
         if x[i] - r[i] >= -0.5 and x[i] + r[i] <= width - 0.5 and y[i] - r[i] >= -0.5 and y[i] + r[i] <= height - 0.5:
             continue
         area = 0.0
-        for k in range(n_strips):
-            # Strips of equal angle: the chord's ends, where a disk's outline is steep, get narrow ones.
-            angle = np.pi * (k + 0.5) / n_strips
-            strip_x = x[i] - r[i] * np.cos(angle)
+        for k in range(_N_STRIPS):
+            strip_x = x[i] - r[i] * cosine[k]
             if strip_x < -0.5 or strip_x > width - 0.5:
                 continue
-            chord = r[i] * np.sin(angle)
+            chord = r[i] * sine[k]
             top, bottom = max(y[i] - chord, -0.5), min(y[i] + chord, height - 0.5)
-            area += max(bottom - top, 0.0) * chord * np.pi / n_strips
+            area += max(bottom - top, 0.0) * chord * np.pi / _N_STRIPS
         share[i] = area / (np.pi * r[i] * r[i])
     return share
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _hidden(x: Column, y: Column, z: Column, r: Column, opacity: float, opacity_depth: float) -> Column:
+def _hidden(
+    x: Column,
+    y: Column,
+    z: Column,
+    r: Column,
+    is_asked: npt.NDArray[np.bool_],
+    opacity: float,
+    opacity_depth: float,
+) -> Column:
     hidden = np.zeros(x.size)
     passed = np.empty(_N_PROBES)
+    # Points of a sunflower: equal areas of the disk.
+    number = np.arange(_N_PROBES)
+    probe_x = np.sqrt((number + 0.5) / _N_PROBES) * np.cos(2.399963229728653 * number)
+    probe_y = np.sqrt((number + 0.5) / _N_PROBES) * np.sin(2.399963229728653 * number)
     largest = r.max() if r.size else 0.0
     first = 0
     for i in range(x.size):
-        while y[first] < y[i] - r[i] - largest and y[first] < y[i] - 2.0 * largest:
+        while y[first] < y[i] - 2.0 * largest:
             first += 1
+        if not is_asked[i]:
+            continue
         passed[:] = 1.0
         is_covered = False
         for j in range(first, x.size):
@@ -191,10 +214,7 @@ def _hidden(x: Column, y: Column, z: Column, r: Column, opacity: float, opacity_
                 continue
             is_covered = True
             for k in range(_N_PROBES):
-                # Points of a sunflower: equal areas of the disk.
-                d = r[i] * np.sqrt((k + 0.5) / _N_PROBES)
-                angle = 2.399963229728653 * k
-                away = (x[i] + d * np.cos(angle) - x[j]) ** 2 + (y[i] + d * np.sin(angle) - y[j]) ** 2
+                away = (x[i] + r[i] * probe_x[k] - x[j]) ** 2 + (y[i] + r[i] * probe_y[k] - y[j]) ** 2
                 if away < r[j] * r[j]:
                     chord = 2.0 * np.sqrt(r[j] * r[j] - away)
                     passed[k] *= 1.0 - opacity * (1.0 - np.exp(-chord / opacity_depth))

@@ -38,6 +38,12 @@ def test_borderline_droplets_count_neither_way() -> None:
     assert _score(as_results(PATHS), real).l1 == 0
 
 
+def test_real_droplets_that_are_not_visible_count_as_false_but_can_be_left_out() -> None:
+    real = [row | ({"visibility": "not"} if row["droplet_id"] == 3 else {}) for row in PATHS]
+    score = _score(as_results(PATHS), real)
+    assert (score.l1, score.l1_any) == (5 / 15, 0)
+
+
 def test_no_result_at_all_gives_one() -> None:
     score = _score([])
     assert (score.l1, score.l1_shape) == (1, None)
