@@ -48,15 +48,21 @@ class PaperDetection(StrictModel):
     """Percentile of the filtered frame that becomes level 0."""
     contrast_high_percent: float = knob(99.7, unit="%", low=50.0, high=100.0, section="3.1.1")
     """Percentile of the filtered frame that becomes level 255."""
+    contrast_droplet_percent: float = knob(90.0, unit="%", low=0.0, high=100.0, section="3.1.1")
+    """Level 255 is at least this percentile of what stands out of the noise: decides only where droplets cover less
+    than some 3 % of the frame, for the paper's frames are full of them."""
+    contrast_noise: float = knob(15.0, unit="1", low=0.0, high=1e3, section="3.1.1")
+    """Level 255 is at least this many standard deviations of the noise above level 0: decides only where there is
+    hardly anything but noise."""
     threshold_small: float = knob(0.2, unit="1", low=0.0, high=1.0, section="3.1.2")
     """Threshold for small, faint droplets: this part of the way from the background's level to 255."""
     threshold_big: float = knob(0.5, unit="1", low=0.0, high=1.0, section="3.1.2")
     """Threshold for big droplets (parts those that overlap): this part of the way from the background's level to 255."""
     maxima_height: float = knob(10.0, unit="levels", low=0.5, high=255.0, section="3.1.2")
     """Extended maxima and minima of the watershed strategy are at least this high or deep (see also `noise_margin`)."""
-    noise_margin: float = knob(4.0, unit="1", low=0.0, high=20.0, section="3.1.2")
-    """Thresholds stand above the background, and maxima above their surroundings, by at least this many standard
-    deviations of the background's noise."""
+    noise_margin: float = knob(6.0, unit="1", low=0.0, high=20.0, section="3.1.2")
+    """Whatever stands out, does so by at least this many standard deviations of the noise: a threshold above the
+    background, a maximum above its surroundings."""
     duplicate_distance: float = knob(1.0, unit="radii", low=0.0, high=5.0, paper=1.0, section="3.1.2")
     """Two detections nearer than this many radii (of the smaller one) may be one droplet."""
     similar_ratio_min: float = knob(0.7, unit="1", low=0.1, high=1.0, paper=0.7, section="3.1.2")
@@ -89,9 +95,9 @@ class DetectionParameters(StrictModel):
     method: Method = Method.PAPER
     """`paper` follows sections 3.1.1 to 3.1.3."""
     radius_min_um: float = knob(4.0, unit="um", low=1e-3, high=1e5, paper=4.0, section="3.2.1")
-    """Smallest droplet radius looked for."""
+    """Smallest droplet radius looked for. A droplet measured smaller by no more than its uncertainty is kept."""
     radius_max_um: float = knob(40.0, unit="um", low=1e-3, high=1e5, paper=40.0, section="3.2.1")
-    """Largest droplet radius looked for."""
+    """Largest droplet radius looked for, with the same allowance."""
     paper: PaperDetection = PaperDetection()
     """The constants of the method `paper`."""
 

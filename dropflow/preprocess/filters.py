@@ -10,7 +10,7 @@ import numpy.typing as npt
 Image = npt.NDArray[np.float32]
 
 REDUCED_SIGMA = 4.0
-"""A blur is done on a frame reduced until its sigma is about this many pixels: a wide one costs as little as a narrow."""
+"""A blur is done on a frame reduced until its sigma is about this many pixels: a wide one costs no more."""
 
 
 @dataclass(frozen=True)

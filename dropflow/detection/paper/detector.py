@@ -9,14 +9,15 @@ import numpy.typing as npt
 from dropflow.detection.contract import Detection, Frame, Image, Rejected
 from dropflow.detection.paper.circles import Circles
 from dropflow.detection.paper.confidence import position_std_px, probability, radius_std_px
+from dropflow.detection.paper.contrast import black_and_white
 from dropflow.detection.paper.duplicates import is_similar, is_unique
 from dropflow.detection.paper.match import climb, match
-from dropflow.detection.paper.thresholding import find_by_threshold, measure_background, threshold_levels
+from dropflow.detection.paper.thresholding import background_level, find_by_threshold, threshold_levels
 from dropflow.detection.paper.watershed import find_by_watershed
 from dropflow.droplets import Droplets
 from dropflow.experiment import DropletTone
 from dropflow.parameters import PaperDetection
-from dropflow.preprocess import Blur, StackEstimate, band_pass, corrected, stretch
+from dropflow.preprocess import Blur, StackEstimate, band_pass, corrected, noise_std, stretch
 
 Flags = npt.NDArray[np.bool_]
 
@@ -41,8 +42,9 @@ class PaperDetector:
         brightest = max(abs(float(image.min())), abs(float(image.max())))
         high_pass, low_pass = self.blurs()
         filtered = band_pass(image, high_pass=high_pass, low_pass=low_pass)
-        low, high = self.knobs.contrast_low_percent, self.knobs.contrast_high_percent
-        return stretch(filtered, low_percent=low, high_percent=high, reference=brightest)
+        noise = noise_std(filtered, apart_px=self.r_min_px, blur_px=low_pass.sigma_x)
+        black, white = black_and_white(filtered, noise=noise, knobs=self.knobs)
+        return stretch(filtered, black=black, white=white, reference=brightest)
 
     def blurs(self) -> tuple[Blur, Blur]:
         """The high pass and the low pass of section 3.1.1 for frames of this shape and droplets of these radii."""
@@ -65,7 +67,8 @@ class PaperDetector:
         # Different starts may have climbed to one droplet, hence duplicates are looked for once more.
         is_second = is_unique(climbed.x_px, climbed.y_px, climbed.r_px, climbed.match, knobs=self.knobs)
         is_match = climbed.match > self.knobs.minimum_match
-        reasons = np.select([~is_second, ~self._is_looked_for(climbed), ~is_match], ["duplicate", "radius", "match"], default="")
+        why_not = {"duplicate": ~is_second, "radius": ~self._is_looked_for(climbed), "match": ~is_match}
+        reasons = np.select(list(why_not.values()), list(why_not), default="")
         is_bad = reasons != ""
         told = ("duplicate",) * int(np.count_nonzero(~is_first)) + tuple(str(reason) for reason in reasons[is_bad])
         rejected = Rejected(Droplets.concatenate([first[~is_first], climbed[is_bad]]), told)
@@ -78,10 +81,10 @@ class PaperDetector:
         # A strategy's radius is a first guess: it may leave the range as far as a similar radius goes.
         r_min_px = self.r_min_px * self.knobs.similar_ratio_min / factor
         r_max_px = self.r_max_px * self.knobs.similar_ratio_max / factor
-        background = measure_background(small, r_min_px=self.r_min_px / factor)
-        levels = threshold_levels(background, self.knobs)
+        noise = noise_std(small, apart_px=self.r_min_px / factor, blur_px=self.blurs()[1].sigma_x / factor)
+        levels = threshold_levels(background_level(small), noise, self.knobs)
         found = [find_by_threshold(small, level, r_min_px=r_min_px, r_max_px=r_max_px) for level in levels]
-        height = max(self.knobs.maxima_height, self.knobs.noise_margin * background.noise)
+        height = max(self.knobs.maxima_height, self.knobs.noise_margin * noise)
         found.append(find_by_watershed(small, maxima_height=height, r_min_px=r_min_px, r_max_px=r_max_px))
         return Circles.concatenate(found).enlarged(factor)
 

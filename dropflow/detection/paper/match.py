@@ -56,7 +56,7 @@ def climb(
 
     Returns
     -------
-    x_px, y_px, r_px and match, each of shape (n,). Circles that start outside the frame stay where they are.
+    x_px, y_px, r_px and match, each of shape (n,); minus infinity where a circle is still outside the frame.
     """
     found = _climb_all(image, x_px, y_px, np.clip(r_px, r_low_px, r_high_px), r_low_px, r_high_px, _constants(knobs))
     return found[0], found[1], found[2], found[3]
@@ -70,11 +70,13 @@ FIRST_STEP = 0.15
 """First step in radii: shorter than the distance to the next droplet, longer than the error of a candidate."""
 FIRST_STEP_MAX_PX = 4.0
 LAST_STEP_PX = 0.25
+REORDERED = {"reassoc", "nsz", "arcp", "contract"}
+"""Sums may be reordered (and so vectorised), but infinities stay what they are."""
 MAX_SWEEPS = 60
 """A climb that has not ended by then is on a slope that leads to no droplet of this size."""
 
 
-@numba.njit(cache=True, nogil=True, fastmath=True)
+@numba.njit(cache=True, nogil=True, fastmath=REORDERED)
 def _match_at(image: Image, x: float, y: float, r: float, constants: Constants) -> float:
     rows, columns = image.shape
     if not (-0.5 <= x <= columns - 0.5 and -0.5 <= y <= rows - 0.5):

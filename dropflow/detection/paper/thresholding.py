@@ -1,8 +1,5 @@
 """The first strategy of section 3.1.2: thresholds, and maxima of the distance to the background."""
 
-from dataclasses import dataclass
-from math import sqrt
-
 import cv2
 import numpy as np
 import numpy.typing as npt
@@ -13,51 +10,25 @@ from dropflow.parameters import PaperDetection
 Image = npt.NDArray[np.float32]
 Mask = npt.NDArray[np.uint8]
 
-
 N_LEVELS = 256
-SIGMA_OVER_MEDIAN = 1.4826
-"""Standard deviation of normal noise over the median of its absolute value."""
 
 
-@dataclass(frozen=True)
-class Background:
-    """Grey level and noise of what is between the droplets, in levels 0 to 255."""
-
-    level: float
-    noise: float
-    """Standard deviation."""
-
-
-def measure_background(image: Image, *, r_min_px: float) -> Background:
-    """Take the most frequent grey level and, for the noise, how unlike neighbours one smallest radius apart are.
-
-    Noise is uncorrelated over that distance. The second difference takes no notice of slopes, and its median none of
-    droplets, unless they cover half of the frame; the width of the histogram's peak would count shadows as noise.
-    """
+def background_level(image: Image) -> float:
+    """Return the most frequent grey level, 0 to 255: that of what is between the droplets."""
     counts = cv2.calcHist([image], [0], None, [N_LEVELS], [0, N_LEVELS]).ravel()
-    smoothed = np.convolve(counts, np.ones(5) / 5, mode="same")
-    return Background(level=float(np.argmax(smoothed)) + 0.5, noise=_noise(image, apart=max(1, round(r_min_px))))
+    return float(np.argmax(np.convolve(counts, np.ones(5) / 5, mode="same"))) + 0.5
 
 
-def _noise(image: Image, apart: int) -> float:
-    """Standard deviation of normal noise with the median second difference of `image` along x."""
-    sampled = image[:: max(1, image.shape[0] // 1000)]
-    along_x = sampled[:, : -2 * apart] - 2 * sampled[:, apart:-apart] + sampled[:, 2 * apart :]
-    if along_x.size == 0:
-        return 0.0
-    return float(np.median(np.abs(along_x))) * SIGMA_OVER_MEDIAN / sqrt(6)
-
-
-def threshold_levels(background: Background, knobs: PaperDetection) -> tuple[float, float]:
+def threshold_levels(background: float, noise: float, knobs: PaperDetection) -> tuple[float, float]:
     """Return the threshold for small droplets and the one for big ones, in levels 0 to 255.
 
     The paper does not say its two thresholds. A fixed level cannot serve, for the level of the background in the
     stretched frame depends on how many droplets there are: both are parts of the way from it to white, and above its
-    noise. A frame of nothing but noise gets levels above white, which find nothing.
+    noise (a standard deviation), so that a frame of nothing but noise has no droplets.
     """
-    floor = background.level + knobs.noise_margin * background.noise
-    way = 255 - background.level
-    small, big = (background.level + part * way for part in (knobs.threshold_small, knobs.threshold_big))
+    floor = background + knobs.noise_margin * noise
+    way = 255 - background
+    small, big = (background + part * way for part in (knobs.threshold_small, knobs.threshold_big))
     return max(small, floor), max(big, floor)
 
 
