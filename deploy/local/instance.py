@@ -58,9 +58,10 @@ class Instance:
         redis_url = self._options.redis_url or self._start_valkey()
         environment = environment_of(self._options, self._folder, database_url=database_url, redis_url=redis_url)
         self._migrate(environment)
+        # The page first: it is what people wait for, and the cores are few.
+        self._await_page(self._supervisor.start(api(self._folder, environment), tier=PROGRAMS))
         for worker in workers(self._folder, environment):
             self._supervisor.start(worker, tier=PROGRAMS)
-        self._await_page(self._supervisor.start(api(self._folder, environment), tier=PROGRAMS))
         if self._options.has_demo:
             self._demo = demo(self._options, self._folder, environment).start()
 

@@ -83,7 +83,9 @@ def start(
             cwd=folder,
         )
     if pid_file is not None:
-        pid_file.write_text(f"{process.pid} {stop_signal.name} {started_at(process.pid)}")
+        draft = pid_file.with_suffix(".new")
+        draft.write_text(f"{process.pid} {stop_signal.name} {started_at(process.pid)}")
+        draft.replace(pid_file)
     return Child(name, process, log, stop_signal, pid_file)
 
 

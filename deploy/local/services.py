@@ -1,7 +1,6 @@
 """The processes of Dropflow itself: what they are called, and how each is started on one machine."""
 
 import os
-import signal
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -24,8 +23,7 @@ class Program:
     command: tuple[str, ...]
     environment: Mapping[str, str]
     log: Path
-    pid_file: Path | None = None
-    stop_signal: signal.Signals = signal.SIGTERM
+    pid_file: Path
 
     def start(self) -> Child:
         """Start it from the checkout; it is not waited for."""
@@ -34,7 +32,6 @@ class Program:
             [sys.executable, *self.command],
             log=self.log,
             environment=self.environment,
-            stop_signal=self.stop_signal,
             pid_file=self.pid_file,
             folder=CHECKOUT,
         )
@@ -68,9 +65,22 @@ def demo(options: Options, folder: InstanceFolder, environment: Mapping[str, str
     return _program("demo", ("-m", "deploy.local.demo", options.address), folder, environment)
 
 
-def workers(_folder: InstanceFolder, _environment: Mapping[str, str]) -> list[Program]:
-    """None before there are any."""
-    return []
+def workers(folder: InstanceFolder, environment: Mapping[str, str]) -> list[Program]:
+    """Shards have a process a core. What takes hours on one core and what somebody waits for do not share one."""
+    n_cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    processes = {"shards": n_cores, "sequential": max(1, n_cores // 2), "interactive": 1}
+    return [
+        *(_worker(queue, n_processes, folder, environment) for queue, n_processes in processes.items()),
+        _program("reconciler", ("-m", "worker.reconcile"), folder, environment),
+    ]
+
+
+def _worker(queue: str, n_processes: int, folder: InstanceFolder, environment: Mapping[str, str]) -> Program:
+    command = ("-m", "celery", "--app", "worker.app", "worker", "--queues", queue, "--concurrency", str(n_processes))
+    # Nobody asks these workers anything but through the queue and the database.
+    quiet = ("--hostname", f"{queue}@%h", "--without-gossip", "--without-mingle", "--without-heartbeat")
+    # To Celery SIGTERM means to end the work at hand first; SIGQUIT to give it back, for the next start to go on with.
+    return _program(f"worker {queue}", (*command, *quiet), folder, {**environment, "REMAP_SIGTERM": "SIGQUIT"})
 
 
 def _program(
@@ -78,6 +88,5 @@ def _program(
     command: tuple[str, ...],
     folder: InstanceFolder,
     environment: Mapping[str, str],
-    stop_signal: signal.Signals = signal.SIGTERM,
 ) -> Program:
-    return Program(name, command, environment, folder.log(name), folder.pid_file(name), stop_signal)
+    return Program(name, command, environment, folder.log(name), folder.pid_file(name))
