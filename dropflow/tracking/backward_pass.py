@@ -5,15 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pyarrow as pa
 
-from dropflow.tracking.backward import retreat
-from dropflow.tracking.chain import PaperChain
+from dropflow.tracking.chain import Chain
 from dropflow.tracking.checkpoint import Arrays, Spool
 from dropflow.tracking.film import Film
 from dropflow.tracking.filtering import VERDICTS, Trails
-from dropflow.tracking.flow import FlowField
 from dropflow.tracking.front import Front
 from dropflow.tracking.identification import Indices
-from dropflow.tracking.saving import load_columns, load_flow, load_front, save_columns, save_flow, save_front
+from dropflow.tracking.saving import load_columns, load_front, prefixed, save_columns, save_front, without_prefix
 from dropflow.tracking.stages import Tick
 
 
@@ -26,7 +24,7 @@ class BackwardPass:
 
     name = "backward"
 
-    def __init__(self, film: Film, chain: PaperChain, found: Spool, rows: Spool, verdicts: Spool) -> None:
+    def __init__(self, film: Film, chain: Chain, found: Spool, rows: Spool, verdicts: Spool) -> None:
         self._film = film
         self._chain = chain
         self._found = found
@@ -34,7 +32,7 @@ class BackwardPass:
         self._verdicts = verdicts
         self._front = Front.empty()
         self._trails = Trails.begin(self._front, film.n_frames)
-        self._flow: FlowField | None = None
+        self._walk = chain.backward()
         self._merged = np.empty((0, 2), np.int64)
         self.n_parts = film.n_parts
 
@@ -63,16 +61,13 @@ class BackwardPass:
     def _step_to(self, frame: int, found: Front) -> Trails:
         """Go back to `frame`; return the trails of the trajectories that begin in the frame after it."""
         earlier = replace(found, trajectory_id=self._renamed(found.trajectory_id)).sorted()
-        predicted_step_px = np.zeros((2, len(earlier)))
+        predicted_px = np.zeros((2, len(earlier)))
         if frame + 1 < self._film.n_frames:
-            dt_s = self._film.dt_s(frame)
-            step = retreat(self._front, earlier, self._film.look_at(frame), self._chain, self._flow, dt_s)
-            earlier = step.front
+            step = self._walk.step(self._front, earlier, self._film.look_at(frame), self._film.dt_s(frame))
+            earlier, predicted_px = step.front, step.predicted_px
             self._merged = np.concatenate([self._merged, np.column_stack([step.merged, step.merged_into])])
-            self._flow = step.flow if step.flow.is_known else self._flow
-            predicted_step_px = self._chain.motion.step_px(earlier.droplets, step.flow, dt_s)
         self._front = earlier
-        self._trails, complete = self._trails.extend(earlier, frame, predicted_step_px)
+        self._trails, complete = self._trails.extend(earlier, frame, predicted_px)
         return complete
 
     def _renamed(self, found_ids: Indices) -> Indices:
@@ -90,7 +85,7 @@ class BackwardPass:
         return {
             **save_front("front", self._front),
             **save_columns("trails", self._trails),
-            **save_flow("flow", self._flow),
+            **prefixed("walk.", self._walk.state()),
             "merged": self._merged,
         }
 
@@ -98,5 +93,5 @@ class BackwardPass:
         """Go on from `arrays`."""
         self._front = load_front("front", arrays)
         self._trails = load_columns("trails", Trails, arrays)
-        self._flow = load_flow("flow", arrays, self._chain.grid)
+        self._walk.restore(without_prefix("walk.", arrays))
         self._merged = arrays["merged"]

@@ -1,48 +1,104 @@
-"""The paper's chain: what it predicts, pairs and averages (sections 3.2 and 3.3)."""
+"""What a method of tracking offers to the passes over a film."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
 
 from dropflow.droplets import Droplets
-from dropflow.parameters import FlowParameters, TrackingParameters
-from dropflow.tracking.cell_average import cell_average
-from dropflow.tracking.filtering import Trails, reasons
+from dropflow.tracking.checkpoint import Arrays
+from dropflow.tracking.filtering import Trails
 from dropflow.tracking.flow import FlowField
-from dropflow.tracking.grid import Grid
-from dropflow.tracking.identification import Pairs, closest_pairs
+from dropflow.tracking.follow import Look
+from dropflow.tracking.front import Front
+from dropflow.tracking.grid import Column, Grid
+from dropflow.tracking.identification import Indices
 from dropflow.tracking.prediction import Motion
 
 
-@dataclass(frozen=True)
-class PaperChain:
-    """Prediction by flow and Stokes, closest similar droplet, average over cells."""
+class Walk(Protocol):
+    """Something that goes through the steps of a film and can be saved between any two of them."""
 
-    grid: Grid
-    motion: Motion
-    tracking: TrackingParameters
-    flow: FlowParameters
+    def state(self) -> Arrays:
+        """All that the next step needs to know of those before."""
+        ...
+
+    def restore(self, arrays: Arrays) -> None:
+        """Take up a state."""
+        ...
+
+
+class ForwardWalk(Walk, Protocol):
+    """From frame to frame (section 3.3.1)."""
+
+    def step(self, detected: Droplets, look: Look | None, dt_s: float) -> Front:
+        """Go on by `dt_s` to the frame with these detections; return where all trajectories are in it."""
+        ...
+
+
+@dataclass(frozen=True)
+class StepBack:
+    """The earlier front with trajectories enlarged and merged."""
+
+    front: Front
+    merged: Indices
+    """Ids that have become another trajectory's, in the front and in all frames before."""
+    merged_into: Indices
+    predicted_px: Column
+    """Shape (2, n): how far each droplet of the front should move in the step."""
+
+
+class BackwardWalk(Walk, Protocol):
+    """From frame to the frame before (section 3.3.2)."""
+
+    def step(self, later: Front, earlier: Front, look: Look | None, dt_s: float) -> StepBack:
+        """Look in the earlier frame, `dt_s` before, for the droplets whose trajectories begin in the later one."""
+        ...
+
+
+class FlowWalk(Walk, Protocol):
+    """The final flow field of each step. A method may need later steps to know an earlier one."""
+
+    def add(self, before: Front, after: Front, dt_s: float) -> Iterable[FlowField]:
+        """Take the next step, the same trajectories before and after it; give the fields known by now, in order."""
+        ...
+
+    def finish(self) -> Iterable[FlowField]:
+        """The fields of the steps not given yet."""
+        ...
+
+
+class Chain(Protocol):
+    """A method of tracking."""
 
     @property
-    def similar_ratio(self) -> tuple[float, float]:
-        """Between which the ratio of similar radii lies."""
-        return self.tracking.paper.similar_ratio_min, self.tracking.paper.similar_ratio_max
+    def grid(self) -> Grid:
+        """Over the frame."""
+        ...
 
-    def pair(self, predicted: Droplets, candidates: Droplets, *, spacing_px: float) -> Pairs:
-        """The closest similar pairs, up to a part of the spacing, or the radius, apart (section 3.2.1)."""
-        reach_px = np.maximum(predicted.r_px, self.tracking.paper.reach_spacings * spacing_px)
-        return closest_pairs(predicted, candidates, reach_px=reach_px, similar_ratio=self.similar_ratio)
+    @property
+    def motion(self) -> Motion:
+        """How droplets move."""
+        ...
 
-    def flow_between(self, before: Droplets, after: Droplets, dt_s: float) -> FlowField:
-        """The flow that carried droplets from `before` to `after` (same droplets, same order) in `dt_s`."""
-        advection_um_s = self.motion.advection_um_s(before, after, dt_s)
-        return cell_average(self.grid, before.x_px, before.y_px, advection_um_s, self.flow.paper)
+    def forward(self) -> ForwardWalk:
+        """A walk that stands before the first frame."""
+        ...
+
+    def backward(self) -> BackwardWalk:
+        """A walk that stands at the last frame."""
+        ...
+
+    def flows(self) -> FlowWalk:
+        """A walk that stands before the first step."""
+        ...
 
     def judge(self, trails: Trails) -> npt.NDArray[np.str_]:
-        """Why each complete trajectory is rejected; empty where it is kept (section 3.3.3)."""
-        return reasons(
-            trails,
-            shortest_frames=self.tracking.shortest_trajectory_frames,
-            stationary_fraction=self.tracking.paper.stationary_fraction,
-        )
+        """Why each complete trajectory is rejected; an empty word where it is kept (section 3.3.3)."""
+        ...
+
+    def settings(self) -> Any:
+        """All that decides what the chain does, as a JSON document."""
+        ...

@@ -10,7 +10,7 @@ import pyarrow.compute as pc
 import zarr
 
 from dropflow.tables import TRAJECTORIES
-from dropflow.tracking.chain import PaperChain
+from dropflow.tracking.chain import Chain
 from dropflow.tracking.checkpoint import Arrays, Spool
 from dropflow.tracking.film import Film
 from dropflow.tracking.filtering import Reason
@@ -19,7 +19,7 @@ from dropflow.tracking.flow_store import FlowStore, create_flow_store
 from dropflow.tracking.front import Front, Links
 from dropflow.tracking.naming import Names, number
 from dropflow.tracking.ranges import NO_RANGES, grown
-from dropflow.tracking.saving import load_columns, load_front, save_columns, save_front
+from dropflow.tracking.saving import load_columns, load_front, prefixed, save_columns, save_front, without_prefix
 from dropflow.tracking.stages import Tick
 
 
@@ -55,7 +55,7 @@ class FinalPass:
 
     name = "final"
 
-    def __init__(self, film: Film, chain: PaperChain, spools: Spools, flow_path: Path, about: dict[str, Any]) -> None:
+    def __init__(self, film: Film, chain: Chain, spools: Spools, flow_path: Path, about: dict[str, Any]) -> None:
         self._film = film
         self._chain = chain
         self._spools = spools
@@ -65,6 +65,8 @@ class FinalPass:
         self._next_id = 0
         self._front = Front.empty()
         self._velocity_um_s = np.empty((2, 0))
+        self._flows = chain.flows()
+        self._n_flows = 0
         self._drift_um = np.zeros(2)
         self.ranges = NO_RANGES
         self._n_rejected = np.zeros(len(Reason), np.int64)
@@ -81,24 +83,30 @@ class FinalPass:
         self._name(turn)
         linked = self._spools.linked.read(turn)
         frame_of_row = linked["frame"].to_numpy()
-        tables, flows = [], []
+        tables: list[pa.Table] = []
+        flows: list[FlowField] = []
         frames = self._film.frames_of(turn)
         for frame in frames:
             start, stop = np.searchsorted(frame_of_row, [frame, frame + 1])
             later = self._kept(Front.from_table(linked.slice(start, stop - start)))
             if frame:
-                flow, rows = self._step_to(later, frame)
-                flows.append(flow)
-                tables.append(rows)
+                tables.append(self._step_to(later, frame, flows))
             else:
                 self._front, self._velocity_um_s = later, np.full((2, len(later)), np.nan)
             tick()
         if frames[-1] == self._film.n_frames - 1:
             tables.append(self._rows(frames[-1]))
+            flows.extend(self._flows.finish())
         rows = pa.concat_tables([TRAJECTORIES.empty_table(), *tables])
         self._spools.kept.write(turn, rows.sort_by([("trajectory_id", "ascending"), ("frame", "ascending")]))
+        self._store(flows)
+
+    def _store(self, flows: list[FlowField]) -> None:
         if flows:
-            FlowStore(zarr.open_group(self.flow_path, mode="r+")).write(frames[-1] - len(flows), flows)
+            FlowStore(zarr.open_group(self.flow_path, mode="r+")).write(self._n_flows, flows)
+        for flow in flows:
+            self._drift_um = self._drift_um + flow.mean_um_s() * self._film.dt_s(self._n_flows)
+            self._n_flows += 1
 
     def outcome(self) -> Arrays:
         """The numbers of the whole film, after the last part."""
@@ -124,21 +132,20 @@ class FinalPass:
         ids, is_kept = self._names.of(front.trajectory_id)
         return replace(front, trajectory_id=ids)[is_kept].sorted()
 
-    def _step_to(self, later: Front, frame: int) -> tuple[FlowField, pa.Table]:
-        """Go on to `later` at `frame`; return the flow of the step and the rows of the frame before."""
+    def _step_to(self, later: Front, frame: int, flows: list[FlowField]) -> pa.Table:
+        """Go on to `later` at `frame`; return the rows of the frame before, and add the flows that are known by now."""
         dt_s = self._film.dt_s(frame - 1)
         links = Links.between(self._front, later)
-        before, after = self._front.droplets[links.earlier], later.droplets[links.later]
-        moved_px = np.stack([after.x_px - before.x_px, after.y_px - before.y_px])
-        velocity_um_s = moved_px * (self._chain.motion.pixel_size_um / dt_s)
+        before, after = self._front[links.earlier], later[links.later]
+        x_px, y_px = after.droplets.x_px - before.droplets.x_px, after.droplets.y_px - before.droplets.y_px
+        velocity_um_s = np.stack([x_px, y_px]) * (self._chain.motion.pixel_size_um / dt_s)
         self._velocity_um_s[:, links.earlier] = velocity_um_s
         rows = self._rows(frame - 1)
-        arrived_um_s = np.full((2, len(later)), np.nan)
-        arrived_um_s[:, links.later] = velocity_um_s
-        self._front, self._velocity_um_s = later, arrived_um_s
-        flow = self._chain.flow_between(before, after, dt_s)
-        self._drift_um = self._drift_um + flow.mean_um_s() * dt_s
-        return flow, rows
+        self._velocity_um_s = np.full((2, len(later)), np.nan)
+        self._velocity_um_s[:, links.later] = velocity_um_s
+        self._front = later
+        flows.extend(self._flows.add(before, after, dt_s))
+        return rows
 
     def _rows(self, frame: int) -> pa.Table:
         front = self._front
@@ -149,7 +156,7 @@ class FinalPass:
             "is_detected": front.is_detected,
             "u_um_s": self._velocity_um_s[0],
             "v_um_s": self._velocity_um_s[1],
-            "sedimentation_um_s": self._chain.motion.sedimentation_um_s(front.droplets.r_px),
+            "sedimentation_um_s": self._chain.motion.sedimentation_um_s(front.smooth_r_px),
         }
         columns = {name: droplets[name] if name in droplets.column_names else more[name] for name in TRAJECTORIES.names}
         return pa.table(columns, schema=TRAJECTORIES)
@@ -161,6 +168,8 @@ class FinalPass:
             **save_front("front", self._front),
             "next_id": np.asarray(self._next_id),
             "velocity_um_s": self._velocity_um_s,
+            **prefixed("flows.", self._flows.state()),
+            "n_flows": np.asarray(self._n_flows),
             "drift_um": self._drift_um,
             "ranges": self.ranges,
             "n_rejected": self._n_rejected,
@@ -172,6 +181,8 @@ class FinalPass:
         self._front = load_front("front", arrays)
         self._next_id = int(arrays["next_id"])
         self._velocity_um_s = arrays["velocity_um_s"]
+        self._flows.restore(without_prefix("flows.", arrays))
+        self._n_flows = int(arrays["n_flows"])
         self._drift_um = arrays["drift_um"]
         self.ranges = arrays["ranges"]
         self._n_rejected = arrays["n_rejected"]

@@ -7,6 +7,7 @@ import numpy.typing as npt
 import pyarrow as pa
 
 from dropflow.droplets import Droplets
+from dropflow.tracking.grid import Column
 from dropflow.tracking.identification import Indices
 
 ROWS = pa.schema(
@@ -15,6 +16,10 @@ ROWS = pa.schema(
         ("trajectory_id", pa.int64()),
         *((column.name, pa.float64()) for column in fields(Droplets)),
         ("is_detected", pa.bool_()),
+        ("is_seen", pa.bool_()),
+        ("smooth_r_px", pa.float64()),
+        ("log_r_std", pa.float64()),
+        ("evidence", pa.float64()),
     ]
 )
 """Rows on their way between the passes of tracking, sorted by (frame, trajectory_id)."""
@@ -28,50 +33,61 @@ class Front:
     droplets: Droplets
     is_detected: npt.NDArray[np.bool_]
     """False where the droplet was found by prediction alone."""
+    is_seen: npt.NDArray[np.bool_]
+    """False where not even the image shows it, and it is only thought to be where it is predicted."""
+    smooth_r_px: Column
+    """Radius in the light of the trajectory so far."""
+    log_r_std: Column
+    """Standard deviation of its logarithm."""
+    evidence: Column
+    """How much more probable (ln) it made its trajectory than chance."""
 
     def __len__(self) -> int:
         return len(self.trajectory_id)
 
     def __getitem__(self, which: npt.NDArray[np.bool_] | Indices | slice) -> "Front":
         """The rows at a mask, at indices or in a slice."""
-        return Front(self.trajectory_id[which], self.droplets[which], self.is_detected[which])
+        return Front(*(getattr(self, field.name)[which] for field in fields(self)))
 
     def sorted(self) -> "Front":
         """In the order of `trajectory_id`."""
         return self[np.argsort(self.trajectory_id, kind="stable")]
 
     @staticmethod
+    def of(trajectory_id: Indices, droplets: Droplets, *, is_detected: bool) -> "Front":
+        """Droplets that were all seen, with no knowledge from other frames."""
+        n = len(trajectory_id)
+        log_r_std = droplets.r_std_px / droplets.r_px
+        return Front(
+            trajectory_id, droplets, np.full(n, is_detected), np.ones(n, bool), droplets.r_px, log_r_std, np.zeros(n)
+        )
+
+    @staticmethod
     def empty() -> "Front":
         """No trajectory."""
-        return Front(np.empty(0, np.int64), Droplets.empty(), np.empty(0, bool))
+        return Front.of(np.empty(0, np.int64), Droplets.empty(), is_detected=True)
 
     @staticmethod
     def concatenate(parts: "list[Front]") -> "Front":
         """All rows of `parts`, in order."""
-        return Front(
-            np.concatenate([part.trajectory_id for part in parts]),
-            Droplets.concatenate([part.droplets for part in parts]),
-            np.concatenate([part.is_detected for part in parts]),
-        )
+        columns = {name: np.concatenate([getattr(part, name) for part in parts]) for name in _OWN}
+        return Front(droplets=Droplets.concatenate([part.droplets for part in parts]), **columns)
 
     def to_table(self, frame: int) -> pa.Table:
         """These as rows of `ROWS`."""
         droplets = {column.name: getattr(self.droplets, column.name) for column in fields(Droplets)}
-        return pa.table(
-            {
-                "frame": np.full(len(self), frame, np.int32),
-                "trajectory_id": self.trajectory_id,
-                **droplets,
-                "is_detected": self.is_detected,
-            },
-            schema=ROWS,
-        )
+        own = {name: getattr(self, name) for name in _OWN}
+        columns = {"frame": np.full(len(self), frame, np.int32), **droplets, **own}
+        return pa.table({name: columns[name] for name in ROWS.names}, schema=ROWS)
 
     @staticmethod
     def from_table(rows: pa.Table) -> "Front":
         """The rows of one frame."""
-        is_detected = rows["is_detected"].to_numpy().astype(bool)
-        return Front(rows["trajectory_id"].to_numpy().astype(np.int64), Droplets.from_table(rows), is_detected)
+        own = {name: rows[name].to_numpy() for name in _OWN}
+        return Front(droplets=Droplets.from_table(rows), **own)
+
+
+_OWN = [field.name for field in fields(Front) if field.name != "droplets"]
 
 
 @dataclass(frozen=True)

@@ -24,19 +24,26 @@ def load_columns(prefix: str, kind: type[Columns], arrays: Arrays) -> Columns:
     return kind(*(arrays[f"{prefix}.{field.name}"] for field in fields(kind)))  # type: ignore[arg-type]
 
 
+def prefixed(prefix: str, arrays: Arrays) -> Arrays:
+    """The same arrays under longer names."""
+    return {prefix + name: array for name, array in arrays.items()}
+
+
+def without_prefix(prefix: str, arrays: Arrays) -> Arrays:
+    """What `prefixed` was given."""
+    return {name[len(prefix) :]: array for name, array in arrays.items() if name.startswith(prefix)}
+
+
 def save_front(prefix: str, front: Front) -> Arrays:
     """The arrays of a front."""
-    return {
-        f"{prefix}.trajectory_id": front.trajectory_id,
-        f"{prefix}.is_detected": front.is_detected,
-        **save_columns(prefix, front.droplets),
-    }
+    own = {f"{prefix}.{f.name}": getattr(front, f.name) for f in fields(Front) if f.name != "droplets"}
+    return own | save_columns(prefix, front.droplets)
 
 
 def load_front(prefix: str, arrays: Arrays) -> Front:
     """What `save_front` saved."""
-    droplets = load_columns(prefix, Droplets, arrays)
-    return Front(arrays[f"{prefix}.trajectory_id"], droplets, arrays[f"{prefix}.is_detected"])
+    own = {f.name: arrays[f"{prefix}.{f.name}"] for f in fields(Front) if f.name != "droplets"}
+    return Front(droplets=load_columns(prefix, Droplets, arrays), **own)
 
 
 def save_flow(prefix: str, flow: FlowField | None) -> Arrays:

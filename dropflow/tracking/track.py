@@ -22,13 +22,14 @@ from dropflow.progress import Progress, silent
 from dropflow.tables import TRAJECTORIES
 from dropflow.tracking.assembly import rejected_trajectories, sorted_trajectories, write_table
 from dropflow.tracking.backward_pass import BackwardPass
-from dropflow.tracking.chain import PaperChain
+from dropflow.tracking.chain import Chain
 from dropflow.tracking.checkpoint import Arrays, Checkpoint, Position
 from dropflow.tracking.film import FRAMES_PER_PART, Film
 from dropflow.tracking.filtering import VERDICTS, Reason
 from dropflow.tracking.final_pass import FinalPass, Spools
 from dropflow.tracking.forward_pass import ForwardPass
 from dropflow.tracking.grid import Grid
+from dropflow.tracking.paper import PaperChain, PaperRules
 from dropflow.tracking.prediction import Motion
 from dropflow.tracking.stages import Stage
 
@@ -114,7 +115,7 @@ def track_film(
     """As `track`, for a film that need not have images; `shape` are the rows and columns of its frames."""
     grid = Grid(*shape, parameters.flow.n_rows, parameters.flow.n_columns)
     motion = Motion.of(experiment, resolve(experiment))
-    chain = PaperChain(grid, motion, parameters.tracking, parameters.flow)
+    chain = make_chain(grid, motion, parameters)
     work = folder / "tracking"
     work.mkdir(parents=True, exist_ok=True)
     checkpoint = Checkpoint(work / "checkpoint.npz", _fingerprint(film, chain, provenance))
@@ -135,6 +136,11 @@ def track_film(
     checkpoint.save(Position(_DONE, 0, outcome))
     spools.remove()
     return _result(folder, outcome)
+
+
+def make_chain(grid: Grid, motion: Motion, parameters: Parameters) -> Chain:
+    """The chain of `parameters.tracking.method`."""
+    return PaperChain(PaperRules(grid, motion, parameters.tracking, parameters.flow))
 
 
 class _Steps:
@@ -207,7 +213,7 @@ def _result(folder: Path, outcome: Arrays) -> TrackingResult:
     )
 
 
-def _fingerprint(film: Film, chain: PaperChain, provenance: dict[str, Any]) -> str:
+def _fingerprint(film: Film, chain: Chain, provenance: dict[str, Any]) -> str:
     """Of all that went in, so that a state is only gone on from with the same."""
     motion = chain.motion
     about = [
@@ -217,8 +223,8 @@ def _fingerprint(film: Film, chain: PaperChain, provenance: dict[str, Any]) -> s
         film.frames is not None,
         [chain.grid.height_px, chain.grid.width_px],
         [motion.pixel_size_um, motion.up, motion.material.model_dump(mode="json")],
-        chain.tracking.model_dump(mode="json"),
-        chain.flow.model_dump(mode="json"),
+        [chain.grid.n_rows, chain.grid.n_columns],
+        chain.settings(),
         provenance,
     ]
     return hashlib.sha256(json.dumps(about, sort_keys=True).encode()).hexdigest()

@@ -7,7 +7,7 @@ from tests.dropflow.tracking.generated import droplets_at
 
 
 def front(ids: list[int], droplets: Droplets) -> Front:
-    return Front(np.array(ids), droplets, np.ones(len(ids), bool))
+    return Front.of(np.array(ids), droplets, is_detected=True)
 
 
 def walk_back(paths: dict[int, list[tuple[int, float, float]]], step_px: tuple[float, float]) -> Trails:

@@ -1,0 +1,30 @@
+"""The paper's flow field of each step, from the trajectories that are left at the end (section 3.3.3)."""
+
+from collections.abc import Iterable
+
+from dropflow.tracking.checkpoint import Arrays
+from dropflow.tracking.flow import FlowField
+from dropflow.tracking.front import Front
+from dropflow.tracking.paper.rules import PaperRules
+
+
+class PaperFlows:
+    """Each step by itself."""
+
+    def __init__(self, rules: PaperRules) -> None:
+        self._rules = rules
+
+    def add(self, before: Front, after: Front, dt_s: float) -> Iterable[FlowField]:
+        """The field of this step."""
+        return [self._rules.flow_between(before.droplets, after.droplets, dt_s)]
+
+    def finish(self) -> Iterable[FlowField]:
+        """Nothing is left."""
+        return []
+
+    def state(self) -> Arrays:
+        """Nothing is remembered."""
+        return {}
+
+    def restore(self, arrays: Arrays) -> None:
+        """Nothing is remembered."""
