@@ -57,7 +57,7 @@ class PaperDetection(StrictModel):
     threshold_small: float = knob(0.2, unit="1", low=0.0, high=1.0, section="3.1.2")
     """Threshold for small, faint droplets: this part of the way from the background's level to 255."""
     threshold_big: float = knob(0.5, unit="1", low=0.0, high=1.0, section="3.1.2")
-    """Threshold for big droplets (parts those that overlap): this part of the way from the background's level to 255."""
+    """Threshold for big droplets (parts overlapping ones): this part of the way from the background's level to 255."""
     maxima_height: float = knob(10.0, unit="levels", low=0.5, high=255.0, section="3.1.2")
     """Extended maxima and minima of the watershed strategy are at least this high or deep (see also `noise_margin`)."""
     noise_margin: float = knob(6.0, unit="1", low=0.0, high=20.0, section="3.1.2")
