@@ -14,6 +14,7 @@ from backend.health.endpoints import router as health
 from backend.page import install as install_page
 from backend.people.service import ensure_local_people
 from backend.platform import problems
+from backend.platform.bodies import BoundedBodies
 from backend.platform.database import make_engine, make_sessions
 from backend.platform.dependencies import Platform
 from backend.platform.events import Listener
@@ -40,14 +41,15 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     """Make the application; its parts are started when it is served."""
     settings = settings or environment_settings()
     set_up_logging(settings.log_level)
-    app = bare_app(max_body_bytes=settings.max_body_bytes, lifespan=_lifespan(settings))
+    app = bare_app(_lifespan(settings))
+    app.add_middleware(BoundedBodies, max_bytes=settings.max_body_bytes)
     if settings.auth == "local":
         app.add_middleware(LocalOnly)
     install_page(app, settings.frontend_dist)
     return app
 
 
-def bare_app(*, max_body_bytes: int | None = None, lifespan: Lifespan[FastAPI] | None = None) -> FastAPI:
+def bare_app(lifespan: Lifespan[FastAPI] | None = None) -> FastAPI:
     """The endpoints without a place to run: what the OpenAPI document is made from."""
     app = FastAPI(
         title="Dropflow",
@@ -57,7 +59,6 @@ def bare_app(*, max_body_bytes: int | None = None, lifespan: Lifespan[FastAPI] |
         docs_url=f"{API}/docs",
         redoc_url=None,
         generate_unique_id_function=lambda route: route.name,
-        max_body_size=max_body_bytes,
         lifespan=lifespan,
     )
     api = APIRouter(prefix=API)
@@ -81,10 +82,10 @@ def _lifespan(settings: Settings) -> Lifespan[FastAPI]:
             queue=Queue(settings.redis_url),
             listener=Listener(settings.database_url),
         )
-        _greet(platform)
         app.state.platform, app.state.open_stacks = platform, OpenStacks()
-        platform.listener.start(asyncio.get_running_loop())
         try:
+            _greet(platform)
+            platform.listener.start(asyncio.get_running_loop())
             yield
         finally:
             platform.listener.stop()

@@ -1,5 +1,7 @@
 """The Celery application: `celery -A worker.app worker -Q interactive,shards,sequential`."""
 
+import atexit
+import os
 from typing import Any
 from uuid import UUID
 
@@ -38,12 +40,14 @@ def _one_thread_each(**_: Any) -> None:
 
 
 @signals.worker_init.connect  # type: ignore[untyped-decorator]
-def _tidy_up(**_: Any) -> None:
+def _begin(**_: Any) -> None:
     sweep(process_context())
+    # Celery announces only some of the ways in which it stops; every one of them passes the interpreter's end.
+    atexit.register(_end, os.getpid())
 
 
-@signals.worker_shutdown.connect  # type: ignore[untyped-decorator]
-def _give_back(**_: Any) -> None:
+def _end(main_process: int) -> None:
     """A worker that is stopped gives its shards back at once, instead of letting their leases run out."""
-    n_given_back = give_back_all(process_context(), holders_of_this_worker())
-    log.info("worker stopped", shards_given_back=n_given_back)
+    if os.getpid() == main_process:
+        n_given_back = give_back_all(process_context(), holders_of_this_worker())
+        log.info("worker stopped", shards_given_back=n_given_back)

@@ -5,6 +5,8 @@ import socket
 from dataclasses import dataclass
 from functools import cache
 
+from sqlalchemy import Engine
+
 from backend.platform.database import Sessions, make_engine, make_sessions
 from backend.platform.object_store import ObjectStore
 from backend.platform.queue import Queue
@@ -23,17 +25,24 @@ class Context:
     queue: Queue
     holder: str
     """Who holds what this process claims: machine, main process, this process."""
+    engine: Engine
+
+    def close(self) -> None:
+        """Let go of database and broker."""
+        self.queue.close()
+        self.engine.dispose()
 
 
-def make_context(settings: Settings, *, holder: str | None = None, queue: Queue | None = None) -> Context:
+def make_context(settings: Settings) -> Context:
     """The parts for one process."""
     engine = make_engine(settings.database_url, application="dropflow-worker", pool_size=2)
     return Context(
         settings=settings,
         sessions=make_sessions(engine),
         store=ObjectStore(settings.object_store_url),
-        queue=queue or Queue(settings.redis_url),
-        holder=holder or f"{_MAIN_PROCESS}:{os.getpid()}",
+        queue=Queue(settings.redis_url),
+        holder=f"{_MAIN_PROCESS}:{os.getpid()}",
+        engine=engine,
     )
 
 

@@ -45,7 +45,7 @@ def insert_shards(session: Session, context: Context, run: Run, shards: Sequence
             Product.experiment_id == run.experiment_id, Product.input_key.in_(keys)
         )
     )
-    known: dict[str, UUID] = dict(made.tuples().all())
+    known: dict[str, UUID] = dict(made.all())
     for shard in shards:
         product_id = known.get(shard.input_key)
         row = Shard(

@@ -56,7 +56,7 @@ def _index(context: Context, lease: Lease) -> StackIndex:
 
 def _checksums(session: Session, experiment_id: UUID) -> dict[str, str]:
     query = select(File.name, File.sha256).where(File.experiment_id == experiment_id, File.role == FRAMES_ROLE)
-    return dict(session.execute(query).tuples().all())
+    return dict(session.execute(query).all())
 
 
 def _accept(experiment: Experiment, index: StackIndex, index_key: str) -> None:

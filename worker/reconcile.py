@@ -153,6 +153,7 @@ def main() -> None:
         except SQLAlchemyError as problem:
             log.warning("database away", reason=str(problem).splitlines()[0])
         stopping.wait(settings.reconcile_every_s)
+    context.close()
 
 
 if __name__ == "__main__":

@@ -52,7 +52,7 @@ def indexed_frames(session: Session, experiment_ids: Sequence[UUID]) -> Mapping[
         Shard.task == "ingest",
         Shard.state.in_((ShardState.QUEUED, ShardState.RUNNING)),
     )
-    return dict(session.execute(query).tuples().all())
+    return dict(session.execute(query).all())
 
 
 def has_active_run(session: Session, experiment_id: UUID) -> bool:

@@ -4,7 +4,7 @@ import asyncio
 import threading
 from collections import defaultdict
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from uuid import UUID
 
 import psycopg
@@ -14,7 +14,8 @@ from sqlalchemy.orm import Session
 
 CHANNEL = "dropflow_changed"
 _ALL = "*"
-_LOOK_UP_S = 1.0
+_LOOK_UP_S = 2.0
+_NOTHING = ""
 log = structlog.get_logger()
 
 
@@ -58,7 +59,11 @@ class Listener:
     def stop(self) -> None:
         """Wake every waiter for good and end the thread."""
         self._stopping.set()
+        if not self._thread.is_alive():
+            return
         self._wake(_ALL)
+        with suppress(psycopg.OperationalError), psycopg.connect(self._conninfo, autocommit=True) as connection:
+            connection.execute("SELECT pg_notify(%s, %s)", (CHANNEL, _NOTHING))  # wakes our own thread
         self._thread.join(timeout=5)
 
     @contextmanager
@@ -88,7 +93,7 @@ class Listener:
             connection.execute(f"LISTEN {CHANNEL}")
             self._wake(_ALL)  # what was told while nobody listened is looked up by all
             while not self._stopping.is_set():
-                for told in connection.notifies(timeout=_LOOK_UP_S):
+                for told in connection.notifies(timeout=_LOOK_UP_S, stop_after=1):
                     self._wake(told.payload)
 
     def _wake(self, topic: str) -> None:

@@ -10,6 +10,7 @@ from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
 from pydantic import BaseModel
 from sqlalchemy.exc import OperationalError
+from sqlalchemy.exc import TimeoutError as PoolExhausted
 from starlette.exceptions import HTTPException
 
 from dropflow.errors import DropflowError, FieldProblem
@@ -104,10 +105,14 @@ def _expected(_: Request, error: Exception) -> JSONResponse:
 
 def _http(_: Request, error: Exception) -> JSONResponse:
     assert isinstance(error, HTTPException)  # noqa: S101 - registered for this kind
+    return problem_response(http_problem(error), error.headers)
+
+
+def http_problem(error: HTTPException) -> Problem:
+    """What the framework found wrong with a request, in our words."""
     status = HTTPStatus(error.status_code)
     code = _CODES.get(status, f"request.{status.name.lower()}")
-    problem = Problem(title=status.phrase, status=status, code=code, detail=_DETAILS.get(status, error.detail))
-    return problem_response(problem, error.headers)
+    return Problem(title=status.phrase, status=status, code=code, detail=_DETAILS.get(status, error.detail))
 
 
 def _invalid(_: Request, error: Exception) -> JSONResponse:
@@ -160,5 +165,6 @@ _HANDLERS = {
     HTTPException: _http,
     RequestValidationError: _invalid,
     OperationalError: _database_away,
+    PoolExhausted: _database_away,
     Exception: _bug,
 }

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from uuid import UUID
 
 from sqlalchemy import case, exists, func, select
+from sqlalchemy.dialects.postgresql import distinct_on
 from sqlalchemy.orm import Session
 
 from backend.models import Product, Run, Shard
@@ -35,7 +36,7 @@ def latest(session: Session, experiment_ids: Sequence[UUID]) -> Mapping[UUID, Ru
     query = (
         select(Run)
         .where(Run.experiment_id.in_(experiment_ids))
-        .distinct(Run.experiment_id)
+        .ext(distinct_on(Run.experiment_id))
         .order_by(Run.experiment_id, Run.number.desc())
     )
     return {run.experiment_id: run for run in session.scalars(query)}
@@ -46,7 +47,7 @@ def n_runs(session: Session, experiment_ids: Sequence[UUID]) -> Mapping[UUID, in
     query = (
         select(Run.experiment_id, func.count()).where(Run.experiment_id.in_(experiment_ids)).group_by(Run.experiment_id)
     )
-    return dict(session.execute(query).tuples().all())
+    return dict(session.execute(query).all())
 
 
 def last_number(session: Session, experiment_id: UUID) -> int:

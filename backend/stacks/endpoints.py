@@ -43,7 +43,6 @@ def files_list(
     status_code=HTTPStatus.CREATED,
     responses=responses(NoSuchExperiment, StackClosed, TooLarge, WrongKind, InvalidRequest, NoSpace),
     openapi_extra=_RAW_BODY,
-    max_body_size=2**62,  # the settings bound it, by file and by stack
 )
 async def files_upload(
     platform: PlatformDependency,

@@ -59,12 +59,17 @@ def clear(session: Session, viewer: Viewer, experiment_id: UUID) -> Experiment:
     repository.delete_ingest(session, experiment_id)
     if experiment.stack.index_key:
         session.add(DoomedObject(key=experiment.stack.index_key))
-    session.delete(experiment.stack)
-    session.flush()
-    experiment.stack = Stack()
+    _empty(experiment.stack)
     announce(session, experiment_topic(experiment.id))
     session.flush()
     return experiment
+
+
+def _empty(stack: Stack) -> None:
+    stack.state = rule(STACK_RULES, "clear").target
+    stack.n_frames = stack.rows = stack.columns = stack.dtype = stack.duration_s = None
+    stack.checksum = stack.index_key = stack.problem = None
+    stack.warnings = []
 
 
 def with_frame(session: Session, viewer: Viewer, experiment_id: UUID, frame: int) -> Experiment:
