@@ -1,0 +1,109 @@
+"""How every figure looks: fit to print, one font, colours that colour-blind readers can tell apart."""
+
+from collections.abc import Mapping
+from textwrap import wrap
+from typing import Any
+
+import plotly.graph_objects as go
+
+SEQUENTIAL = "Viridis"
+DIVERGING = "RdBu"
+# Okabe and Ito's colours: told apart with every common kind of colour vision.
+BLUE, ORANGE, GREEN, VERMILION, PURPLE, SKY, BLACK = (
+    "#0072B2",
+    "#E69F00",
+    "#009E73",
+    "#D55E00",
+    "#CC79A7",
+    "#56B4E9",
+    "#000000",
+)
+COLOURS = (BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY, BLACK)
+
+WIDTH_PX, HEIGHT_PX = 760, 520
+MAX_COLUMNS = 600
+"""Columns of a heat map over time: more than a printed figure or a screen can show."""
+
+_CAPTION_CHARACTERS = 118
+_CAPTION_LINE_PX = 15
+
+
+def new_figure(title: str, caption: str = "", *, width_px: int = WIDTH_PX, height_px: int = HEIGHT_PX) -> go.Figure:
+    """An empty figure with the common look; `caption` stands below the axes."""
+    lines = wrap(caption, _CAPTION_CHARACTERS)
+    bottom_px = 70 + _CAPTION_LINE_PX * len(lines)
+    figure = go.Figure(
+        layout={
+            "title": {"text": title, "x": 0.02, "font": {"size": 15}},
+            "width": width_px,
+            "height": height_px + _CAPTION_LINE_PX * len(lines),
+            "font": {"family": "Helvetica, Arial, sans-serif", "size": 13, "color": "#000000"},
+            "paper_bgcolor": "white",
+            "plot_bgcolor": "white",
+            "colorway": list(COLOURS),
+            "margin": {"l": 75, "r": 30, "t": 50, "b": bottom_px},
+            "legend": {"bgcolor": "rgba(255,255,255,0.8)", "bordercolor": "#999", "borderwidth": 1},
+        }
+    )
+    figure.update_xaxes(**_axis())
+    figure.update_yaxes(**_axis())
+    if lines:
+        figure.add_annotation(
+            text="<br>".join(lines),
+            x=0,
+            y=0,
+            xref="paper",
+            yref="paper",
+            yshift=-50,
+            yanchor="top",
+            xanchor="left",
+            align="left",
+            showarrow=False,
+            font={"size": 11, "color": "#333"},
+        )
+    return figure
+
+
+def _axis() -> dict[str, Any]:
+    return {
+        "showline": True,
+        "mirror": True,
+        "linecolor": "black",
+        "ticks": "inside",
+        "tickcolor": "black",
+        "showgrid": False,
+        "zeroline": False,
+        "automargin": False,
+    }
+
+
+def say_empty(figure: go.Figure, what: str) -> go.Figure:
+    """Write across an empty figure why nothing is drawn."""
+    figure.add_annotation(text=what, x=0.5, y=0.5, xref="paper", yref="paper", showarrow=False, font={"size": 16})
+    return figure
+
+
+def log_colour_bar(title: str, low: float, high: float) -> dict[str, Any]:
+    """A colour bar for values drawn as their decadic logarithm, between log10 `low` and log10 `high`."""
+    first, last = int(low // 1), int(-(-high // 1))
+    exponents = list(range(first, last + 1, max(1, (last - first) // 8)))
+    return {
+        "title": {"text": title, "side": "right"},
+        "tickvals": exponents,
+        "ticktext": [f"10<sup>{exponent}</sup>".replace("-", "−") for exponent in exponents],
+        "outlinewidth": 1,
+        "ticks": "inside",
+    }
+
+
+def caption_of(provenance: Mapping[str, Any]) -> str:
+    """Where a figure comes from, in one line: ``experiment: a · method: paper · dropflow: 0.1.0``."""
+    return " · ".join(f"{name}: {value}" for name, value in provenance.items() if value not in (None, ""))
+
+
+def time_axis(times_s: Any) -> tuple[float, str]:
+    """Factor and unit in which a time axis of this length reads well: seconds, minutes or hours."""
+    longest_s = float(max(times_s, default=0.0))
+    if longest_s <= 600:
+        return 1.0, "s"
+    return (1 / 60, "min") if longest_s <= 4 * 3600 else (1 / 3600, "h")

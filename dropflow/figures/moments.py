@@ -1,0 +1,104 @@
+"""Number, mean radius, Sauter radius, fraction and percentiles of the droplets over time."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import plotly.graph_objects as go
+
+from dropflow.figures.layout import (
+    BLUE,
+    GREEN,
+    MAX_COLUMNS,
+    SKY,
+    VERMILION,
+    new_figure,
+    say_empty,
+    time_axis,
+)
+from dropflow.statistics.histograms import FrameHistograms, coarsen
+from dropflow.statistics.size_distribution import PERCENTILES, size_moments
+
+Floats = npt.NDArray[np.float64]
+
+
+def moments(
+    histograms: FrameHistograms,
+    *,
+    area_um2: float,
+    observation_depth_um: float | Floats | None = None,
+    title: str = "Moments of the size distribution",
+    caption: str = "",
+    max_columns: int = MAX_COLUMNS,
+) -> go.Figure:
+    """Three panels over time: droplets per frame, radii (mean, Sauter, percentiles) and volume or area fraction.
+
+    Bands are one standard deviation as if droplets were independent (Poisson).
+    """
+    figure = new_figure(title, caption, height_px=760)
+    shown = coarsen(histograms, max_columns)
+    found = size_moments(shown, area_um2=area_um2, observation_depth_um=observation_depth_um)
+    factor, unit = time_axis(shown.time_s)
+    breaks = np.flatnonzero(shown.first_frame[1:] > shown.last_frame[:-1] + 1) + 1
+    lines = _Lines(figure, shown.time_s * factor, breaks)
+    _split_in_three(figure)
+    figure.update_layout(
+        xaxis={"title": {"text": f"time t ({unit})"}},
+        yaxis={"title": {"text": "volume fraction" if found.is_volume_fraction else "area fraction"}},
+        yaxis2={"title": {"text": "radius (µm)"}},
+        yaxis3={"title": {"text": "droplets per frame"}},
+    )
+    if not len(shown) or not shown.moments[:, 0].any():
+        return say_empty(figure, "no droplets")
+    lines.add(found.n_per_frame, found.n_per_frame_std, "number", BLUE, "y3")
+    lines.add(found.mean_radius_um, found.mean_radius_std_um, "mean radius", BLUE, "y2")
+    _add_with_band(
+        figure, time, found.sauter_radius_um, found.sauter_radius_std_um, "Sauter radius d32/2", VERMILION, "y2"
+    )
+    for percent, radius_um in zip(PERCENTILES, found.percentiles_um.T, strict=True):
+        name = f"{percent:.0f} % are smaller"
+        line = {"color": SKY, "width": 1, "dash": "dash" if percent == 50 else "dot"}
+        lines.draw(radius_um, "y2", name=name, line=line)
+    name = "volume fraction" if found.is_volume_fraction else "area fraction"
+    lines.add(found.fraction, found.fraction_std, name, GREEN, "y")
+    return figure
+
+
+def _split_in_three(figure: go.Figure) -> None:
+    """Stack three y axes over one x axis, so that a brushed time range holds for all."""
+    look = figure.layout.yaxis.to_plotly_json()
+    figure.update_layout(
+        xaxis={"anchor": "y", "mirror": "all"},
+        yaxis={"domain": [0, 0.28], "rangemode": "tozero"},
+        yaxis2={**look, "domain": [0.36, 0.64], "anchor": "x", "rangemode": "tozero"},
+        yaxis3={**look, "domain": [0.72, 1], "anchor": "x", "rangemode": "tozero"},
+        legend={"x": 1.01, "y": 0.5, "xanchor": "left"},
+        margin={"r": 190},
+    )
+
+
+@dataclass(frozen=True)
+class _Lines:
+    """Draws lines over one time axis that break where frames are missing."""
+
+    figure: go.Figure
+    time: Floats
+    breaks: npt.NDArray[np.int64]
+
+    def draw(self, values: Floats, axis: str, **look: Any) -> None:
+        """One line."""
+        x, y = (np.insert(of.astype(np.float32), self.breaks, np.nan) for of in (self.time, values))
+        self.figure.add_scatter(x=x, y=y, yaxis=axis, mode="lines", **look)
+
+    def add(self, value: Floats, std: Floats, name: str, colour: str, axis: str) -> None:
+        """A line with a shaded band of one standard deviation."""
+        for edge, fill in ((value + std, None), (value - std, "tonexty")):
+            band = {"fill": fill, "fillcolor": _faint(colour), "showlegend": False, "hoverinfo": "skip"}
+            self.draw(edge, axis, line={"width": 0}, **band)
+        self.draw(value, axis, name=name, line={"color": colour, "width": 1.5})
+
+
+def _faint(colour: str) -> str:
+    red, green, blue = (int(colour[at : at + 2], 16) for at in (1, 3, 5))
+    return f"rgba({red},{green},{blue},0.25)"
