@@ -13,6 +13,7 @@ import { Loading, QueryView } from "../platform/QueryView";
 import { runsQuery } from "../runs/queries";
 import { RunTable } from "../runs/RunTable";
 import { isActive } from "../runs/states";
+import { useUpload } from "../uploads/uploads";
 import { DeleteExperiment } from "./DeleteExperiment";
 import { EditExperiment } from "./EditExperiment";
 import { Description, StackFacts } from "./ExperimentFacts";
@@ -24,10 +25,11 @@ const route = getRouteApi("/experiments/$experimentId");
 
 export function ExperimentPage() {
   const { experimentId } = route.useParams();
+  const isSending = useUpload(experimentId) !== null;
   const query = useLiveQuery(
     experimentQuery(experimentId),
     apiUrl(["experiments", experimentId, "events"]),
-    (experiment) => !isChanging(experiment),
+    (experiment) => !isSending && !isChanging(experiment),
   );
   const experiment = query.data;
   const above = [
@@ -85,13 +87,7 @@ function Content({ experiment }: { experiment: Experiment }) {
         <Stack gap="md">
           <Panel title="What was filmed">
             <Description experiment={experiment} />
-            <Group gap={6}>
-              {tagsOf(experiment).map((tag) => (
-                <Badge key={tag} variant="default" tt="none" fw={400}>
-                  {tag}
-                </Badge>
-              ))}
-            </Group>
+            <Tags tags={tagsOf(experiment)} />
           </Panel>
           <Panel title="Stack">
             <StackFacts experiment={experiment} />
@@ -99,6 +95,19 @@ function Content({ experiment }: { experiment: Experiment }) {
         </Stack>
       </Grid.Col>
     </Grid>
+  );
+}
+
+function Tags({ tags }: { tags: string[] }) {
+  if (tags.length === 0) return null;
+  return (
+    <Group gap={6}>
+      {tags.map((tag) => (
+        <Badge key={tag} variant="default" tt="none" fw={400}>
+          {tag}
+        </Badge>
+      ))}
+    </Group>
   );
 }
 

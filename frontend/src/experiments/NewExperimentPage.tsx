@@ -74,7 +74,7 @@ function NewExperiment({ schema }: { schema: JsonSchema }) {
         <Grid.Col span={{ base: 12, md: 5 }}>
           <Stack gap="md">
             <Panel title="Frames">
-              <DropArea onFound={draft.addFiles} />
+              <DropArea onFound={draft.addFiles} hint="An experiment.yaml among them fills the form." />
               <ChosenFiles frames={sorted.frames} left_out={sorted.left_out} onClear={draft.clearFrames} />
             </Panel>
             <Panel title="Files beside the frames" about="All of these are optional.">

@@ -1,11 +1,11 @@
-import { Alert, Button, Group, List, Progress, Stack, Text } from "@mantine/core";
+import { Alert, Button, List, Progress, Stack, Text } from "@mantine/core";
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { useEffect } from "react";
 import { type Experiment, stackDelete } from "../client";
+import { ConfirmButton } from "../platform/ConfirmButton";
 import { formatBytes, formatCount, plural } from "../platform/format";
 import { Panel } from "../platform/Panel";
 import { ProblemAlert } from "../platform/ProblemAlert";
-import { toProblem } from "../platform/problem";
 import { isRefused } from "../uploads/Upload";
 import { UploadProgress } from "../uploads/UploadProgress";
 import { forgetUpload, resumeUpload, stopUpload, useUpload } from "../uploads/uploads";
@@ -16,16 +16,15 @@ export function StackPanel({ experiment }: { experiment: Experiment }) {
   const { id, stack } = experiment;
   const upload = useUpload(id);
   const cache = useQueryClient();
-  const isOver = upload?.phase === "done";
-  const isKnown = stack.state === "indexing" || stack.state === "ready" || stack.state === "rejected";
+  const isOver = upload?.phase === "done" || upload?.phase === "stopped";
 
+  // An upload that ended is forgotten as soon as the server's own word of it is here.
   useEffect(() => {
-    if (!isOver) return;
-    if (isKnown) forgetUpload(id);
-    else void cache.invalidateQueries({ queryKey: ["experiments", id] });
-  }, [isOver, isKnown, id, cache]);
+    if (isOver)
+      void cache.refetchQueries({ queryKey: ["experiments", id], exact: true }).then(() => forgetUpload(id));
+  }, [isOver, id, cache]);
 
-  if (upload && upload.phase !== "stopped" && !(isOver && isKnown)) {
+  if (upload) {
     return (
       <Panel title="Upload">
         <UploadProgress
@@ -114,11 +113,14 @@ function StartOver({ experiment }: { experiment: Experiment }) {
     },
   });
   return (
-    <Group gap="xs">
-      <Button size="xs" variant="default" loading={remove.isPending} onClick={() => remove.mutate()}>
-        Start over
-      </Button>
-      {remove.error && <ProblemAlert problem={toProblem(remove.error)} />}
-    </Group>
+    <ConfirmButton
+      size="xs"
+      label="Start over"
+      title="Start over?"
+      action="Remove the files"
+      mutation={remove}
+    >
+      The {plural(experiment.stack.n_files, "file")} that arrived are removed; then others can be sent.
+    </ConfirmButton>
   );
 }

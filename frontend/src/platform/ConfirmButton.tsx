@@ -1,4 +1,4 @@
-import { Button, Group, Modal, Stack, Text } from "@mantine/core";
+import { Button, type ButtonProps, Group, Modal, Stack, Text } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import type { UseMutationResult } from "@tanstack/react-query";
 import type { ReactNode } from "react";
@@ -7,6 +7,7 @@ import { toProblem } from "./problem";
 
 type ConfirmButtonProps = {
   label: string;
+  size?: ButtonProps["size"];
   title: string;
   /** What the button in the dialogue does, in its words. */
   action: string;
@@ -15,11 +16,11 @@ type ConfirmButtonProps = {
 };
 
 /** A button for what cannot be undone: it asks first. */
-export function ConfirmButton({ label, title, action, mutation, children }: ConfirmButtonProps) {
+export function ConfirmButton({ label, size, title, action, mutation, children }: ConfirmButtonProps) {
   const [isOpen, { open, close }] = useDisclosure(false, { onOpen: mutation.reset });
   return (
     <>
-      <Button variant="default" onClick={open}>
+      <Button variant="default" size={size} onClick={open}>
         {label}
       </Button>
       <Modal opened={isOpen} onClose={close} title={title} centered>

@@ -77,7 +77,10 @@ function configFor(label: string): object {
   const filename = label.toLowerCase().replace(/[^a-z0-9]+/g, "-");
   return {
     displaylogo: false,
-    modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"],
+    showTips: false,
+    // Nothing that is measured here leaves for Plotly's own service.
+    showSendToCloud: false,
+    modeBarButtonsToRemove: ["sendChartToCloud", "select2d", "lasso2d", "autoScale2d"],
     toImageButtonOptions: { format: "svg", filename },
   };
 }

@@ -42,11 +42,16 @@ export function fitted({ data, layout }: Figure, look: Look): Figure {
       .filter((note) => !isCaption(note))
       .map((note) => inked(note, ink)),
     dragmode: "zoom",
+    modebar: {
+      bgcolor: "rgba(0,0,0,0)",
+      color: look.isDark ? LINE.dark : LINE.light,
+      activecolor: ink,
+    },
   };
   for (const name of Object.keys(layout).filter((key) => /^[xy]axis\d*$/.test(key))) {
     fittedLayout[name] = fittedAxis(layout[name] as Json, name, look);
   }
-  return { data: data.map((trace) => fittedTrace(trace, ink)), layout: fittedLayout };
+  return { data: data.map((trace) => fittedTrace(trace, ink, look.isDark)), layout: fittedLayout };
 }
 
 function fittedAxis(axis: Json, name: string, look: Look): Json {
@@ -58,12 +63,29 @@ function fittedAxis(axis: Json, name: string, look: Look): Json {
   return { ...axis, linecolor: colour, tickcolor: colour, automargin: true, ...ranged };
 }
 
-function fittedTrace(trace: Trace, ink: string): Trace {
-  if (!trace.colorbar) return trace;
-  return {
-    ...trace,
-    colorbar: { ...trace.colorbar, outlinecolor: ink, tickcolor: ink, thickness: 14, len: 1 },
+function fittedTrace(trace: Trace, ink: string, isDark: boolean): Trace {
+  const seen = isDark ? brightened(trace) : trace;
+  if (!seen.colorbar) return seen;
+  const colorbar = { ...seen.colorbar, outlinecolor: ink, tickcolor: ink, thickness: 14, len: 1 };
+  return { ...seen, colorbar, hoverongaps: false };
+}
+
+/** The figures' colours that are too dark for a dark ground, and lighter ones of the same hue. */
+const BRIGHTER: Record<string, string> = {
+  "#0072b2": "#4aa8e0",
+  "#009e73": "#21c295",
+  "#d55e00": "#f0802b",
+  "#000000": INK.dark,
+};
+
+function brightened(trace: Trace): Trace {
+  const better = (part: unknown): unknown => {
+    const colour = (part as Json | undefined)?.color;
+    const lighter = typeof colour === "string" ? BRIGHTER[colour.toLowerCase()] : undefined;
+    return lighter ? { ...(part as Json), color: lighter } : part;
   };
+  const parts = ["line", "marker", "error_y"].filter((name) => name in trace);
+  return { ...trace, ...Object.fromEntries(parts.map((name) => [name, better(trace[name])])) };
 }
 
 function inked(note: Json, ink: string): Json {

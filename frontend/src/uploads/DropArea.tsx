@@ -6,13 +6,7 @@ import { collectDrop, fromList } from "./collecting";
 import type { Found } from "./sorting";
 
 /** Where a folder, files, a ZIP or a TIFF are dropped or chosen. */
-export function DropArea({
-  onFound,
-  isCompact = false,
-}: {
-  onFound: (found: Found[]) => void;
-  isCompact?: boolean;
-}) {
+export function DropArea({ onFound, hint }: { onFound: (found: Found[]) => void; hint?: string }) {
   const [isOver, setOver] = useState(false);
   const [n_seen, setSeen] = useState<number | null>(null);
 
@@ -29,7 +23,7 @@ export function DropArea({
 
   return (
     <Paper
-      p={isCompact ? "sm" : "xl"}
+      p="xl"
       onDragOver={(event) => {
         event.preventDefault();
         setOver(true);
@@ -42,17 +36,15 @@ export function DropArea({
       }}
     >
       <Stack align="center" gap="xs">
-        {!isCompact && <IconStack2 size={34} stroke={1.4} aria-hidden />}
+        <IconStack2 size={34} stroke={1.4} aria-hidden />
         <Text ta="center" fw={500}>
           {n_seen === null
             ? "Drop a folder, images, a ZIP or a TIFF stack here"
             : `Reading the folder: ${plural(n_seen, "file")}`}
         </Text>
-        {!isCompact && (
-          <Text ta="center" fz="sm" c="dimmed">
-            TIFF, PNG or JPEG, one size, grey. An experiment.yaml in the folder fills the form.
-          </Text>
-        )}
+        <Text ta="center" fz="sm" c="dimmed">
+          TIFF, PNG or JPEG, all of one size. {hint}
+        </Text>
         <Group gap="xs" justify="center">
           <FileButton
             multiple

@@ -4,6 +4,14 @@ import { formatBytes, formatCount, formatDuration, plural } from "../platform/fo
 import { ProblemAlert } from "../platform/ProblemAlert";
 import type { UploadState } from "./Upload";
 
+const TITLES: Record<UploadState["phase"], string> = {
+  sending: "Sending",
+  closing: "All sent; telling the server",
+  done: "All sent",
+  stopped: "Stopping",
+  failed: "Stopped",
+};
+
 type UploadProgressProps = { upload: UploadState; onStop: () => void; actions?: ReactNode };
 
 /** The sending phase: bytes, rate, time left; or why it ended. */
@@ -23,11 +31,13 @@ export function UploadProgress({ upload, onStop, actions }: UploadProgressProps)
     <Stack gap={6}>
       <Group justify="space-between" gap="xs">
         <Text fw={500} fz="sm">
-          {upload.phase === "closing" ? "All sent; telling the server" : "Sending"}
+          {TITLES[upload.phase]}
         </Text>
-        <Button size="compact-sm" variant="default" onClick={onStop}>
-          Stop
-        </Button>
+        {upload.phase === "sending" && (
+          <Button size="compact-sm" variant="default" onClick={onStop}>
+            Stop
+          </Button>
+        )}
       </Group>
       <Progress.Root size="md">
         <Progress.Section value={percent} aria-label="Sending" />
