@@ -24,6 +24,7 @@ from backend.platform.openapi import document
 from backend.platform.origins import LocalOnly
 from backend.platform.queue import Queue
 from backend.platform.settings import Settings, environment_settings
+from backend.platform.stopping import before_stopping
 from backend.results.endpoints import router as results
 from backend.runs.endpoints import router as runs
 from backend.stacks.endpoints import router as stacks
@@ -86,7 +87,8 @@ def _lifespan(settings: Settings) -> Lifespan[FastAPI]:
         try:
             _greet(platform)
             platform.listener.start(asyncio.get_running_loop())
-            yield
+            with before_stopping(platform.listener.let_go):
+                yield
         finally:
             platform.listener.stop()
             app.state.open_stacks.close()

@@ -148,6 +148,7 @@ def open_house(settings: Settings) -> Iterator[House]:
         with httpx.Client(base_url=address, timeout=30) as api:
             yield House(app, api, context, Path(settings.object_store_url.removeprefix("file://")))
     finally:
+        app.state.platform.listener.let_go()
         server.should_exit = True
         thread.join()
         context.close()

@@ -56,12 +56,16 @@ class Listener:
         self._loop = loop
         self._thread.start()
 
-    def stop(self) -> None:
-        """Wake every waiter for good and end the thread."""
+    def let_go(self) -> None:
+        """Wake every waiter for good."""
         self._stopping.set()
+        self._wake(_ALL)
+
+    def stop(self) -> None:
+        """The same, and end the thread."""
+        self.let_go()
         if not self._thread.is_alive():
             return
-        self._wake(_ALL)
         with suppress(psycopg.OperationalError), psycopg.connect(self._conninfo, autocommit=True) as connection:
             connection.execute("SELECT pg_notify(%s, %s)", (CHANNEL, _NOTHING))  # wakes our own thread
         self._thread.join(timeout=5)
