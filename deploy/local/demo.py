@@ -19,10 +19,11 @@ from dropflow.simulation.scenario import changed, named_scenario
 from dropflow.simulation.write import write_experiment
 
 TAG = "dropflow-demo"
-NAME = "Demo: simulated droplets"
-NOTE = "Simulated at the first start of Dropflow. Delete it when you have seen enough."
-SCENARIO, SEED, N_FRAMES = "easy", 1, 40
-CONSTANTS = {"height_px": 512, "width_px": 612}
+NAME = "Demo: simulated droplets that grow"
+NOTE = "Simulated at the first start of Dropflow. Delete it when you have seen enough; it does not come back."
+SCENARIO, SEED, N_FRAMES = "easy", 1, 60
+# Droplets enough to fill a size distribution, and growth that is seen within half a minute of film.
+CONSTANTS = {"height_px": 512, "width_px": 612, "n_droplets": 800.0, "growth_um_s": 0.08}
 INDEX_TIMEOUT_S = 300.0
 
 
@@ -30,12 +31,12 @@ class DemoError(Exception):
     """The service did not take it."""
 
 
-def send_demo(client: httpx.Client) -> str:
+def send_demo(client: httpx.Client, *, n_frames: int = N_FRAMES) -> str:
     """Bring the demo as far as a run; the id of its experiment."""
     experiment = _known(client) or _create(client)
     url = f"experiments/{experiment['id']}"
     if experiment["stack"]["state"] in ("empty", "uploading", "rejected"):
-        _upload(client, url)
+        _upload(client, url, n_frames)
     _await_ready(client, url)
     if _asked(client.get(url))["n_runs"] == 0:
         _asked(client.post(f"{url}/runs", json={"parameters": {}}))
@@ -61,10 +62,10 @@ def _create(client: httpx.Client) -> dict[str, Any]:
     return _asked(client.post("experiments", json={"experiment": document}))
 
 
-def _upload(client: httpx.Client, url: str) -> None:
+def _upload(client: httpx.Client, url: str, n_frames: int) -> None:
     with tempfile.TemporaryDirectory(prefix="dropflow-demo-") as scratch:
         film = Path(scratch) / "film"
-        write_experiment(film, Film(changed(named_scenario(SCENARIO), CONSTANTS), SEED), N_FRAMES)
+        write_experiment(film, Film(changed(named_scenario(SCENARIO), CONSTANTS), SEED), n_frames)
         flat_field = yaml.safe_load((film / "experiment.yaml").read_text())["flat_field"]
         files = [
             (film / flat_field, "flat_field"),

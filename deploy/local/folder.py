@@ -20,6 +20,7 @@ class InstanceFolder:
         self.root = root
         self.objects, self.work = root / "objects", root / "work"
         self.logs, self.running = root / "logs", root / "running"
+        self.demo_made = root / "demo-made"  # so that a demo that was deleted stays away
 
     def make(self) -> None:
         for folder in (self.root, self.objects, self.work, self.logs, self.running):

@@ -62,7 +62,7 @@ class Instance:
         self._await_page(self._supervisor.start(api(self._folder, environment), tier=PROGRAMS))
         for worker in workers(self._folder, environment):
             self._supervisor.start(worker, tier=PROGRAMS)
-        if self._options.has_demo:
+        if self._options.has_demo and not self._folder.demo_made.exists():
             self._demo = demo(self._options, self._folder, environment).start()
 
     def watch(self) -> None:
@@ -121,7 +121,9 @@ class Instance:
         raise LauncherError(f"the page did not work within {READY_TIMEOUT_S:.0f} s; see {self._folder.logs}.")
 
     def _end_demo(self, child: Child) -> None:
-        if child.process.returncode != 0:
+        if child.process.returncode == 0:
+            self._folder.demo_made.touch()
+        else:
             self._say(f"the demo experiment could not be made: {_last_line(child.last_words())} (log: {child.log})")
         child.stop()
         self._demo = None
