@@ -53,9 +53,7 @@ def moments(
         return say_empty(figure, "no droplets")
     lines.add(found.n_per_frame, found.n_per_frame_std, "number", BLUE, "y3")
     lines.add(found.mean_radius_um, found.mean_radius_std_um, "mean radius", BLUE, "y2")
-    _add_with_band(
-        figure, time, found.sauter_radius_um, found.sauter_radius_std_um, "Sauter radius d32/2", VERMILION, "y2"
-    )
+    lines.add(found.sauter_radius_um, found.sauter_radius_std_um, "Sauter radius d32/2", VERMILION, "y2")
     for percent, radius_um in zip(PERCENTILES, found.percentiles_um.T, strict=True):
         name = f"{percent:.0f} % are smaller"
         line = {"color": SKY, "width": 1, "dash": "dash" if percent == 50 else "dot"}
@@ -93,10 +91,25 @@ class _Lines:
 
     def add(self, value: Floats, std: Floats, name: str, colour: str, axis: str) -> None:
         """A line with a shaded band of one standard deviation."""
-        for edge, fill in ((value + std, None), (value - std, "tonexty")):
-            band = {"fill": fill, "fillcolor": _faint(colour), "showlegend": False, "hoverinfo": "skip"}
-            self.draw(edge, axis, line={"width": 0}, **band)
+        x, y = _outlines(self.time, value, std, self.breaks)
+        band = {"fill": "toself", "fillcolor": _faint(colour), "showlegend": False, "hoverinfo": "skip"}
+        self.figure.add_scatter(x=x, y=y, yaxis=axis, mode="lines", line={"width": 0}, **band)
         self.draw(value, axis, name=name, line={"color": colour, "width": 1.5})
+
+
+def _outlines(
+    time: Floats, value: Floats, std: Floats, breaks: npt.NDArray[np.int64]
+) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]:
+    """Closed outlines of a band, one for each run of values without a gap, parted by NaN."""
+    is_known = np.isfinite(value + std)
+    changes = np.flatnonzero(is_known[1:] != is_known[:-1]) + 1
+    nothing = np.array([np.nan])
+    x, y = [np.empty(0)], [np.empty(0)]
+    for run in np.split(np.arange(len(time)), np.union1d(breaks, changes)):
+        if is_known[run].any():
+            x += [time[run], time[run][::-1], nothing]
+            y += [(value + std)[run], (value - std)[run][::-1], nothing]
+    return np.concatenate(x).astype(np.float32), np.concatenate(y).astype(np.float32)
 
 
 def _faint(colour: str) -> str:
