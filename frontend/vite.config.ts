@@ -11,12 +11,21 @@ export default defineConfig({
   define: { global: "globalThis" },
   server: { host: "127.0.0.1", proxy: { "/api": `http://127.0.0.1:${apiPort}` } },
   // Plotly is one chunk of its own, loaded with the first plot.
-  build: { chunkSizeWarningLimit: 2500, target: "es2022" },
+  build: {
+    chunkSizeWarningLimit: 2500,
+    target: "es2022",
+    rolldownOptions: {
+      // A module that plotly.js brings along has a directive of its author's own, which means nothing to anyone.
+      onLog: (level, log, handle) => log.code !== "MODULE_LEVEL_DIRECTIVE" && handle(level, log),
+    },
+  },
   test: {
     environment: "jsdom",
     include: ["src/**/*.test.{ts,tsx}"],
     setupFiles: ["src/testing.ts"],
     isolate: false,
+    // Typing into forms takes its time on a busy machine.
+    testTimeout: 30_000,
     maxWorkers: 2,
   },
 });

@@ -67,6 +67,7 @@ function NoExperiments() {
 }
 
 function ExperimentTable({ experiments }: { experiments: Experiment[] }) {
+  const isGroupShown = new Set(experiments.map(({ group }) => group.id)).size > 1;
   return (
     <Table.ScrollContainer
       minWidth={720}
@@ -87,7 +88,7 @@ function ExperimentTable({ experiments }: { experiments: Experiment[] }) {
         </Table.Thead>
         <Table.Tbody>
           {experiments.map((experiment) => (
-            <ExperimentRow key={experiment.id} experiment={experiment} />
+            <ExperimentRow key={experiment.id} experiment={experiment} isGroupShown={isGroupShown} />
           ))}
         </Table.Tbody>
       </Table>
@@ -95,7 +96,7 @@ function ExperimentTable({ experiments }: { experiments: Experiment[] }) {
   );
 }
 
-function ExperimentRow({ experiment }: { experiment: Experiment }) {
+function ExperimentRow({ experiment, isGroupShown }: { experiment: Experiment; isGroupShown: boolean }) {
   const { stack, latest_run: run } = experiment;
   return (
     <Table.Tr>
@@ -109,9 +110,11 @@ function ExperimentRow({ experiment }: { experiment: Experiment }) {
         >
           {String(experiment.experiment.name ?? "Without a name")}
         </Anchor>
-        <Text fz="xs" c="dimmed">
-          {experiment.group.name}
-        </Text>
+        {isGroupShown && (
+          <Text fz="xs" c="dimmed">
+            {experiment.group.name}
+          </Text>
+        )}
       </Table.Td>
       <Table.Td>
         {stack.state === "ready" ? (

@@ -1,4 +1,4 @@
-import { Button, Skeleton, Stack } from "@mantine/core";
+import { Alert, Button, Skeleton, Stack } from "@mantine/core";
 import type { UseQueryResult } from "@tanstack/react-query";
 import { Link } from "@tanstack/react-router";
 import type { ReactNode } from "react";
@@ -13,7 +13,14 @@ type QueryViewProps<Data> = {
 
 /** Loading, error with a way on, or the data; data that is there stays while a later question fails. */
 export function QueryView<Data>({ query, loading, children }: QueryViewProps<Data>) {
-  if (query.data !== undefined) return children(query.data);
+  if (query.data !== undefined) {
+    return (
+      <>
+        {query.error && <MayBeOld error={query.error} />}
+        {children(query.data)}
+      </>
+    );
+  }
   if (query.error) {
     return (
       <ProblemAlert problem={toProblem(query.error)}>
@@ -32,6 +39,14 @@ export function QueryView<Data>({ query, loading, children }: QueryViewProps<Dat
     );
   }
   return loading ?? <Loading />;
+}
+
+function MayBeOld({ error }: { error: Error }) {
+  return (
+    <Alert color="orange" role="status" p="xs" mb="sm">
+      {toProblem(error).detail} What you see may be old; it is asked for again.
+    </Alert>
+  );
 }
 
 export function Loading({ rows = 3, height = 20 }: { rows?: number; height?: number }) {

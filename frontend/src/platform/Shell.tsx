@@ -10,11 +10,13 @@ import {
   useMantineColorScheme,
 } from "@mantine/core";
 import { IconMoon, IconPlus, IconSun } from "@tabler/icons-react";
-import { Link, Outlet } from "@tanstack/react-router";
+import { Link, Outlet, useRouterState } from "@tanstack/react-router";
+import { useEffect, useRef } from "react";
 import { Logo } from "./Logo";
 
 /** The frame around every page: header, one main landmark, footer. */
 export function Shell() {
+  const main = useFocusOnNavigation();
   return (
     <AppShell header={{ height: 56 }} padding={0}>
       <a className="skip-link" href="#main">
@@ -37,13 +39,26 @@ export function Shell() {
           </Group>
         </Container>
       </AppShell.Header>
-      <AppShell.Main id="main" tabIndex={-1} style={{ outline: "none" }}>
+      <AppShell.Main ref={main} id="main" tabIndex={-1} style={{ outline: "none" }}>
         <Container size={1440} py="lg">
           <Outlet />
         </Container>
       </AppShell.Main>
     </AppShell>
   );
+}
+
+/** A new page begins at its top for keyboards and screen readers too, as a loaded page would. */
+function useFocusOnNavigation() {
+  const main = useRef<HTMLElement>(null);
+  const path = useRouterState({ select: ({ location }) => location.pathname });
+  const seen = useRef(path);
+  useEffect(() => {
+    if (seen.current === path) return;
+    seen.current = path;
+    main.current?.focus({ preventScroll: true });
+  }, [path]);
+  return main;
 }
 
 function HomeLink() {

@@ -14,7 +14,7 @@ export const UNREACHABLE: Problem = {
   status: 0,
   code: "network.unreachable",
   detail: "The server does not answer.",
-  hint: "Is it running, and are you connected? This page tries again by itself.",
+  hint: "Is it running, and are you connected?",
 };
 
 /** What an API answer with an error status says, whatever its body is. */

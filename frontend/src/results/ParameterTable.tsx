@@ -5,6 +5,7 @@ import { type Document, valueAt } from "../forms/document";
 import { type Field, fieldsOf, type JsonSchema } from "../forms/schema";
 import { formatNumber } from "../platform/format";
 import { QueryView } from "../platform/QueryView";
+import { isInUse } from "../runs/ParameterForm";
 import { parameterSchemaQuery } from "../runs/queries";
 
 /** The parameters of a run beside the paper's, in the order of the form; what differs from the default stands out. */
@@ -33,7 +34,7 @@ function Stages({ schema, parameters }: { schema: JsonSchema; parameters: Docume
               </Table.Tr>
             </Table.Thead>
             <Table.Tbody>
-              {leavesOf(stage)
+              {leavesOf(stage, parameters)
                 .filter(({ path }) => valueAt(parameters, path) !== undefined)
                 .map((field) => (
                   <ParameterRow key={field.path} field={field} value={valueAt(parameters, field.path)} />
@@ -73,6 +74,8 @@ function shownValue(value: unknown): string {
   return typeof value === "number" ? formatNumber(value, 6) : String(value);
 }
 
-function leavesOf(field: Field): Field[] {
-  return field.input.kind === "group" ? field.input.fields.flatMap(leavesOf) : [field];
+function leavesOf(field: Field, parameters: Document): Field[] {
+  if (field.input.kind !== "group") return [field];
+  const { fields } = field.input;
+  return fields.filter((one) => isInUse(one, fields, parameters)).flatMap((one) => leavesOf(one, parameters));
 }

@@ -35,6 +35,7 @@ export function dropletsQuery(runId: string, frame: number, which: "detected" | 
     queryFn: ({ signal }) =>
       orNotYet(dropletsGet({ path: { run_id: runId, frame }, query: { which }, signal })),
     staleTime: isOver ? Number.POSITIVE_INFINITY : 0,
+    refetchInterval: isOver ? false : REFRESH_MS,
     gcTime: KEEP_MS,
     structuralSharing: false,
   });
@@ -45,6 +46,7 @@ export function flowQuery(runId: string, frame: number, isOver: boolean) {
     queryKey: ["runs", runId, "frames", frame, "flow", isOver],
     queryFn: ({ signal }) => orNotYet(flowGet({ path: { run_id: runId, frame }, signal })),
     staleTime: isOver ? Number.POSITIVE_INFINITY : 0,
+    refetchInterval: isOver ? false : REFRESH_MS,
     gcTime: KEEP_MS,
     structuralSharing: false,
   });

@@ -31,7 +31,9 @@ export function ParameterForm({ fields, ...form }: ParameterFormProps) {
 function StagePanel({ stage, ...form }: Omit<ParameterFormProps, "fields"> & { stage: Field }) {
   const fields = stage.input.kind === "group" ? stage.input.fields : [stage];
   const plain = fields.filter(({ input }) => input.kind !== "group");
-  const nested = fields.filter(({ input }) => input.kind === "group");
+  const nested = fields.filter(
+    (field) => field.input.kind === "group" && isInUse(field, fields, form.document),
+  );
   return (
     <Panel title={stage.label} about={<Prose text={stage.help} />}>
       <SchemaForm fields={plain} {...form} />
@@ -74,6 +76,13 @@ function Constants({ group, ...form }: Omit<ParameterFormProps, "fields"> & { gr
       </Collapse>
     </Stack>
   );
+}
+
+/** Constants of a method that was not chosen have no effect, and no place. */
+export function isInUse(group: Field, siblings: Field[], document: Document): boolean {
+  const method = siblings.find(({ name }) => name === "method");
+  if (method?.input.kind !== "choice" || !method.input.options.includes(group.name)) return true;
+  return valueAt(document, method.path) === group.name;
 }
 
 function isChanged({ path, fallback }: Field, document: Document): boolean {

@@ -87,7 +87,7 @@ it("a refusal stops the upload, names the file, and the rest can go on without i
 });
 
 it("a server that is away is said, and nothing is given up: the same files can be tried again", async () => {
-  answers.set("a.tif", [503, 503, 503, 503]);
+  answers.set("a.tif", [503, 503, 503, 503, 503, 503]);
   const one = upload([item("a.tif")]);
   await one.run();
   expect(one.state).toMatchObject({ phase: "failed", problem: { status: 503 } });

@@ -1,7 +1,8 @@
 import type { Problem } from "../client";
 import { ProblemError, problemFromAnswer, UNREACHABLE } from "../platform/problem";
 
-const TRIES = 4;
+/** With waits that double from half a second: a server that restarts is back before the last. */
+const TRIES = 6;
 
 /** Whether the same bytes may succeed a moment later: no answer, an overloaded or failing server. */
 export function isPassing(problem: Problem): boolean {
