@@ -1,25 +1,21 @@
 import {
-  Autocomplete,
   Checkbox,
   Fieldset,
-  Group,
   Input,
   SegmentedControl,
-  Select,
   SimpleGrid,
   Stack,
   TagsInput,
   Text,
-  Textarea,
-  TextInput,
-  VisuallyHidden,
 } from "@mantine/core";
-import type { ReactNode } from "react";
-import { formatNumber } from "../platform/format";
 import { Prose } from "../platform/Prose";
+import { ChoiceInput } from "./ChoiceInput";
 import { branchOf } from "./check";
+import { Help, Label } from "./FieldLabel";
 import { NumberField } from "./NumberField";
 import type { Field } from "./schema";
+import { MomentInput, WordsInput } from "./TextInputs";
+import { VectorInput } from "./VectorInput";
 
 export type FieldInputProps = {
   field: Field;
@@ -54,7 +50,7 @@ export function FieldInput(props: FieldInputProps) {
         />
       );
     case "choice":
-      return <Choice {...props} options={input.options} />;
+      return <ChoiceInput {...props} options={input.options} />;
     case "flag":
       return (
         <Checkbox
@@ -78,7 +74,7 @@ export function FieldInput(props: FieldInputProps) {
         />
       );
     case "text":
-      return <WordsOrText {...common} input={input} value={value} onChange={change} />;
+      return <WordsInput {...common} input={input} value={value} onChange={change} />;
     case "group":
       return (
         <Fieldset legend={field.label} variant="filled">
@@ -88,173 +84,6 @@ export function FieldInput(props: FieldInputProps) {
     case "either":
       return <Either {...props} branches={input.branches} />;
   }
-}
-
-/** The label; its unit stands at the end of the input, and in the label only for those who hear it. */
-function Label({ field }: { field: Field }) {
-  return (
-    <>
-      {field.label}
-      {field.unit && <VisuallyHidden> ({field.unit})</VisuallyHidden>}
-    </>
-  );
-}
-
-function Help({ field }: { field: Field }) {
-  const { paper } = field;
-  if (!field.help && !paper) return null;
-  return (
-    <>
-      {field.help && <Prose text={field.help} />}
-      {paper && (
-        <>
-          {" "}
-          <Text span fz="inherit" style={{ whiteSpace: "nowrap" }}>
-            Paper: {typeof paper.value === "number" ? formatNumber(paper.value) : String(paper.value)}
-            {field.unit && ` ${field.unit}`}
-            {paper.section && ` (section ${paper.section})`}.
-          </Text>
-        </>
-      )}
-    </>
-  );
-}
-
-function shownFallback(field: Field): string | undefined {
-  return typeof field.fallback === "number" ? String(field.fallback) : undefined;
-}
-
-const FEW = 4;
-
-/** A few ways stand side by side; many, or an optional one, in a list that can be cleared. */
-function Choice({ field, value, onChange, messages, options }: FieldInputProps & { options: string[] }) {
-  const data = options.map((option) => ({ value: option, label: readable(option) }));
-  const isSideBySide = options.length > 1 && options.length <= FEW && field.isRequired;
-  const wrapper = {
-    label: <Label field={field} />,
-    description: <Help field={field} />,
-    error: messages[field.path],
-  };
-  if (!isSideBySide) {
-    return (
-      <Select
-        {...wrapper}
-        withAsterisk={field.isRequired}
-        clearable={!field.isRequired && field.fallback === undefined}
-        allowDeselect={false}
-        placeholder="Not said"
-        data={data}
-        value={value === undefined ? null : String(value)}
-        onChange={(next) => onChange(field.path, next ?? undefined)}
-      />
-    );
-  }
-  return (
-    <Input.Wrapper {...wrapper} withAsterisk={field.isRequired} labelElement="div">
-      <SegmentedControl
-        fullWidth
-        mt={4}
-        aria-label={field.label}
-        data={data}
-        value={value === undefined ? "" : String(value)}
-        onChange={(next) => onChange(field.path, next)}
-      />
-    </Input.Wrapper>
-  );
-}
-
-function readable(option: string): string {
-  const words = option.replace(/_/g, " ");
-  return words.charAt(0).toUpperCase() + words.slice(1);
-}
-
-type CommonProps = { label: ReactNode; description: ReactNode; error?: string; required: boolean };
-
-function WordsOrText({
-  input,
-  value,
-  onChange,
-  ...common
-}: CommonProps & {
-  input: { isLong: boolean; suggestions: string[] };
-  value: unknown;
-  onChange: (value: unknown) => void;
-}) {
-  const text = value === undefined ? "" : String(value);
-  const change = (next: string) => onChange(next === "" ? undefined : next);
-  if (input.isLong) {
-    return (
-      <Textarea
-        {...common}
-        autosize
-        minRows={2}
-        maxRows={8}
-        value={text}
-        onChange={(event) => change(event.currentTarget.value)}
-      />
-    );
-  }
-  if (input.suggestions.length > 0) {
-    return <Autocomplete {...common} data={input.suggestions} value={text} onChange={change} />;
-  }
-  return <TextInput {...common} value={text} onChange={(event) => change(event.currentTarget.value)} />;
-}
-
-/** A local date and time in, ISO 8601 with its offset out. */
-function MomentInput({
-  value,
-  onChange,
-  ...common
-}: CommonProps & { value: unknown; onChange: (value: unknown) => void }) {
-  const change = (local: string) => onChange(local === "" ? undefined : new Date(local).toISOString());
-  return (
-    <TextInput
-      {...common}
-      type="datetime-local"
-      value={localTime(value)}
-      onChange={(event) => change(event.currentTarget.value)}
-    />
-  );
-}
-
-function localTime(value: unknown): string {
-  const time = typeof value === "string" || value instanceof Date ? new Date(value) : undefined;
-  if (!time || Number.isNaN(time.getTime())) return "";
-  const shifted = new Date(time.getTime() - time.getTimezoneOffset() * 60_000);
-  return shifted.toISOString().slice(0, 16);
-}
-
-const AXES = ["x", "y", "z"];
-
-function VectorInput({ field, value, onChange, messages, length }: FieldInputProps & { length: number }) {
-  const parts = Array.isArray(value) ? value : Array.from({ length }, () => undefined);
-  const changePart = (index: number, part: unknown) => {
-    const next = parts.map((old, at) => (at === index ? part : old));
-    onChange(field.path, next.every((one) => one === undefined) ? undefined : next);
-  };
-  return (
-    <Input.Wrapper
-      label={<Label field={field} />}
-      description={<Help field={field} />}
-      error={messages[field.path]}
-      withAsterisk={field.isRequired}
-      labelElement="div"
-    >
-      <Group grow mt={4} role="group" aria-label={field.label}>
-        {parts.map((part, index) => (
-          <NumberField
-            // biome-ignore lint/suspicious/noArrayIndexKey: the place is what tells the parts of a vector apart
-            key={index}
-            label={undefined}
-            aria-label={`${field.label}, ${AXES[index] ?? index}`}
-            unit={AXES[index]}
-            value={part}
-            onChange={(next) => changePart(index, next)}
-          />
-        ))}
-      </Group>
-    </Input.Wrapper>
-  );
 }
 
 function Inner({ fields, ...props }: FieldInputProps & { fields: Field[] }) {
@@ -302,4 +131,8 @@ function Either({ branches, ...props }: FieldInputProps & { branches: Field[] })
       </Stack>
     </Fieldset>
   );
+}
+
+function shownFallback(field: Field): string | undefined {
+  return typeof field.fallback === "number" ? String(field.fallback) : undefined;
 }
