@@ -10,7 +10,6 @@ from datetime import timedelta
 from uuid import UUID
 
 import structlog
-from kombu.exceptions import OperationalError as BrokerAway
 from redis.exceptions import RedisError
 from sqlalchemy import ColumnElement, and_, func, or_, select, text, update
 from sqlalchemy.exc import SQLAlchemyError
@@ -28,7 +27,6 @@ from worker.failures import reject_stack, worker_lost
 from worker.leases import MAX_ATTEMPTS, LeaseLost, is_expired, release
 from worker.outcomes import lock_experiment, lock_run
 
-RESEND_AFTER_S = 10.0
 _MOST_AT_ONCE = 500
 log = structlog.get_logger()
 
@@ -41,7 +39,7 @@ def reconcile(context: Context) -> None:
         for part in (expire_leases, send_again, remove_doomed):
             try:
                 part(context)
-            except (SQLAlchemyError, RedisError, BrokerAway, OSError) as problem:
+            except (SQLAlchemyError, RedisError, OSError) as problem:
                 log.warning("not reconciled", part=part.__name__, reason=str(problem).splitlines()[0])
 
 
@@ -109,7 +107,7 @@ def send_again(context: Context) -> None:
         with context.sessions.begin() as session:
             waiting = (
                 select(Shard.id)
-                .where(Shard.state == ShardState.QUEUED, Shard.task.in_(tasks), _is_overdue())
+                .where(Shard.state == ShardState.QUEUED, Shard.task.in_(tasks), _is_overdue(context.settings.resend_after_s))
                 .order_by(Shard.created_at, Shard.start_frame)
                 .limit(_MOST_AT_ONCE)
             )
@@ -123,9 +121,9 @@ def send_again(context: Context) -> None:
             context.queue.send(shard_id, task)
 
 
-def _is_overdue() -> ColumnElement[bool]:
+def _is_overdue(resend_after_s: float) -> ColumnElement[bool]:
     """Given back just now (nobody was told yet), or told of some time ago."""
-    latest = func.clock_timestamp() - timedelta(seconds=RESEND_AFTER_S)
+    latest = func.clock_timestamp() - timedelta(seconds=resend_after_s)
     never_told = and_(Shard.sent_at.is_(None), or_(Shard.attempts > 0, Shard.fence > 0, Shard.created_at < latest))
     return or_(never_told, Shard.sent_at < latest)
 

@@ -1,11 +1,15 @@
 """Messages to workers: each says only "look at shard N". A lost one is sent again, a double one does no harm."""
 
+from typing import cast
 from uuid import UUID
 
+import redis
 import structlog
 from celery import Celery
 from kombu.exceptions import OperationalError
+from redis.backoff import NoBackoff
 from redis.exceptions import RedisError
+from redis.retry import Retry
 
 TASK_NAME = "worker.look_at_shard"
 QUEUE_OF_TASK = {
@@ -49,8 +53,11 @@ def make_celery(redis_url: str) -> Celery:
 class Queue:
     """Sends messages. That it could not is no error: the reconciler finds what nobody looks at."""
 
-    def __init__(self, redis_url: str, celery: Celery | None = None) -> None:
-        self._celery = celery or make_celery(redis_url)
+    def __init__(self, redis_url: str) -> None:
+        self._celery = make_celery(redis_url)
+        self._broker = redis.Redis.from_url(
+            redis_url, socket_connect_timeout=2, socket_timeout=5, retry=Retry(NoBackoff(), 0)
+        )
 
     def send(self, shard_id: UUID, task: str) -> None:
         """Ask for a worker to look at a shard."""
@@ -61,9 +68,9 @@ class Queue:
 
     def n_waiting(self, queue: str) -> int:
         """Messages that no worker has taken yet."""
-        with self._celery.connection_for_read() as connection:
-            return int(connection.default_channel.client.llen(queue))
+        return cast(int, self._broker.llen(queue))  # the same client can also be asynchronous
 
     def close(self) -> None:
         """Let go of the broker."""
         self._celery.close()
+        self._broker.close()

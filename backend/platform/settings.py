@@ -49,6 +49,8 @@ class Settings(BaseSettings):
     """How long a worker may be silent before its work goes to another; longer than any one frame takes."""
     reconcile_every_s: Annotated[float, Field(ge=0.1, le=60)] = 5.0
     """How often lost messages and expired leases are looked for."""
+    resend_after_s: Annotated[float, Field(ge=0.1, le=600)] = 10.0
+    """How long a shard waits before its message counts as lost, if its queue is empty."""
     log_level: Literal["DEBUG", "INFO", "WARNING", "ERROR"] = "INFO"
     """Least severe message that is written."""
 

@@ -1,0 +1,101 @@
+"""What cannot be done ends with its cause in plain words; what may be passing is tried again."""
+
+from pathlib import Path
+
+import pytest
+
+from backend.models.states import ShardState
+from dropflow import pipeline
+from tests.films import Upload, film, frame, tiff
+from tests.house import House, Json
+from worker.leases import MAX_ATTEMPTS, claim
+from worker.shards import look_at
+
+
+def _kept(house: House, experiment: Json) -> Path:
+    return house.objects / "experiments" / experiment["id"] / "files"
+
+
+def test_a_frame_that_broke_after_the_index_fails_the_run_and_names_file_and_frame(house: House) -> None:
+    experiment = house.ready()
+    run = house.start(experiment)
+    for kept in _kept(house, experiment).iterdir():
+        kept.write_bytes(kept.read_bytes()[:500])
+    house.work()
+    failed = house.again(run)
+    assert failed["state"] == "failed"
+    assert failed["problem"]["code"] == "frames.truncated"
+    assert failed["problem"]["file"] == "frames/frame0.tif"
+    assert failed["summary"] is None
+    assert house.waiting() == []
+
+
+def test_what_others_do_of_a_failed_run_does_not_count_and_is_not_kept(house: House) -> None:
+    experiment = house.ready()
+    run = house.start(experiment)
+    look_at(house.context, house.waiting("prepare")[0])
+    waiting = house.waiting("detect")
+    with house.context.sessions.begin() as session:
+        taken = claim(session, waiting[5], holder="slow", lease_s=60)
+    assert taken is not None
+    for kept in _kept(house, experiment).iterdir():
+        kept.write_bytes(b"II*\0 broken")
+    house.work()
+    states = [shard.state for shard in house.shards(run) if shard.task == "detect"]
+    assert states == [ShardState.FAILED, *[ShardState.CANCELLED] * 5]
+
+
+def test_an_unexpected_error_is_tried_three_times_and_then_told(house: House, monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(*_: object, **__: object) -> None:
+        raise RuntimeError("the moon is full")
+
+    run = house.start(house.ready())
+    monkeypatch.setattr(pipeline, "estimate", broken)
+    (shard_id,) = house.waiting("prepare")
+    for attempt in range(1, MAX_ATTEMPTS + 1):
+        assert house.again(run)["state"] in {"queued", "running"}
+        look_at(house.context, shard_id)
+        assert house.shards(run)[0].attempts == attempt
+    failed = house.again(run)
+    assert failed["state"] == "failed"
+    assert failed["problem"]["code"] == "run.internal"
+    assert "the moon is full" in failed["problem"]["detail"]
+    assert failed["problem"]["hint"]
+
+
+def test_an_unexpected_error_that_passes_leaves_no_trace(house: House, monkeypatch: pytest.MonkeyPatch) -> None:
+    run = house.start(house.ready())
+    with monkeypatch.context() as broken:
+        broken.setattr(pipeline, "estimate", lambda *_, **__: 1 / 0)
+        look_at(house.context, house.waiting("prepare")[0])
+    house.work()
+    done = house.again(run)
+    assert (done["state"], done["problem"]) == ("completed", None)
+
+
+def test_a_fault_of_ours_while_indexing_keeps_the_files_so_that_it_can_be_tried_again(
+    house: House, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    experiment = house.experiment()
+    house.upload(experiment, *film())
+    house.ok(house.api.post(f"experiments/{experiment['id']}/stack"), 202)
+    with monkeypatch.context() as broken:
+        broken.setattr("worker.ingest.check_frames", lambda *_, **__: 1 / 0)
+        (shard_id,) = house.waiting()
+        for _ in range(MAX_ATTEMPTS):
+            look_at(house.context, shard_id)
+    stack = house.again(experiment)["stack"]
+    assert (stack["state"], stack["problem"]["code"], stack["n_files"]) == ("rejected", "run.internal", 6)
+    assert house.seal(experiment)["stack"]["state"] == "ready"
+
+
+def test_output_of_work_that_failed_is_removed(house: House) -> None:
+    experiment = house.ready([Upload("film.tif", tiff(*(frame(index) for index in range(3))))])
+    run = house.start(experiment)
+    look_at(house.context, house.waiting("prepare")[0])
+    before = house.kept_objects()
+    for kept in _kept(house, experiment).iterdir():
+        kept.write_bytes(b"II*\0 broken")
+    house.work()
+    assert house.again(run)["state"] == "failed"
+    assert house.kept_objects() == before
