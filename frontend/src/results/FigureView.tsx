@@ -1,7 +1,6 @@
 import { useQuery } from "@tanstack/react-query";
 import type { FigureName, Run } from "../client";
 import { QueryView } from "../platform/QueryView";
-import { isActive } from "../runs/states";
 import type { Figure, Ranges, rangesFromRelayout } from "./figure";
 import { NotYet } from "./NotYet";
 import { Plot } from "./Plot";
@@ -18,7 +17,7 @@ type FigureViewProps = {
 
 /** One figure of a run: loading, not there yet, failed, or drawn. */
 export function FigureView({ run, name, ...plot }: FigureViewProps) {
-  const query = useQuery(figureQuery(run.id, name, !isActive(run.state)));
+  const query = useQuery(figureQuery(run, name));
   return (
     <QueryView query={query}>
       {(figure) => (figure ? <Plot figure={figure as unknown as Figure} {...plot} /> : <NotYet run={run} />)}

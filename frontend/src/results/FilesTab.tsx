@@ -6,7 +6,6 @@ import { apiUrl } from "../platform/base";
 import { formatBytes } from "../platform/format";
 import { Panel } from "../platform/Panel";
 import { QueryView } from "../platform/QueryView";
-import { isActive } from "../runs/states";
 import { NotYet } from "./NotYet";
 import { resultFilesQuery } from "./queries";
 
@@ -20,7 +19,7 @@ const ABOUT: Record<string, string> = {
 
 /** Results to download. */
 export function FilesTab({ run }: { run: Run }) {
-  const query = useQuery(resultFilesQuery(run.id, !isActive(run.state)));
+  const query = useQuery(resultFilesQuery(run));
   return (
     <Panel title="Downloads" about="Column names carry their units; image axes: x right, y down.">
       <QueryView query={query}>

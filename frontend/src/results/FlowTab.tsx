@@ -10,8 +10,8 @@ import { formatNumber, plural } from "../platform/format";
 import { Panel } from "../platform/Panel";
 import { ProblemAlert } from "../platform/ProblemAlert";
 import { toProblem } from "../platform/problem";
-import { isActive } from "../runs/states";
 import { type ArrowField, arrowsOf } from "./arrows";
+import { availability } from "./availability";
 import { LayerSwitches } from "./LayerSwitches";
 import { NotYet } from "./NotYet";
 import { overlayPainter } from "./overlay";
@@ -69,32 +69,27 @@ export function FlowTab({ run, experiment }: { run: Run; experiment: Experiment 
   );
 }
 
-/** What a run knows of one frame; the droplets of detection stand in until tracking has come to it. */
+/** What a run knows of one frame; the droplets of detection stand in until tracking is through. */
 function useFrameResults(run: Run, frame: number, n_frames: number) {
-  const isOver = !isActive(run.state);
   const cache = useQueryClient();
-  const tracked = useQuery({
-    ...dropletsQuery(run.id, frame, "tracked", isOver),
-    placeholderData: keepPreviousData,
-  });
-  const needsDetected = tracked.data === null;
-  const detected = useQuery({
-    ...dropletsQuery(run.id, frame, "detected", isOver),
-    enabled: needsDetected,
-    placeholderData: keepPreviousData,
-  });
-  const flow = useQuery({ ...flowQuery(run.id, frame, isOver), placeholderData: keepPreviousData });
+  const isTracked = availability(run, "track") === "whole";
+  const which = isTracked ? "tracked" : "detected";
+  const droplets = useQuery({ ...dropletsQuery(run, frame, which), placeholderData: keepPreviousData });
+  const flow = useQuery({ ...flowQuery(run, frame), placeholderData: keepPreviousData });
   useEffect(() => {
-    if (!isOver) return;
+    if (!isTracked) return;
     for (const near of neighbours(frame, n_frames)) {
-      void cache.prefetchQuery(dropletsQuery(run.id, near, "tracked", true));
-      void cache.prefetchQuery(flowQuery(run.id, near, true));
+      void cache.prefetchQuery(dropletsQuery(run, near, "tracked"));
+      void cache.prefetchQuery(flowQuery(run, near));
     }
-  }, [run.id, frame, n_frames, isOver, cache]);
+  }, [run, frame, n_frames, isTracked, cache]);
   const field = useMemo(() => (flow.data ? arrowsOf(flow.data) : null), [flow.data]);
-  const droplets = tracked.data ?? (needsDetected ? (detected.data ?? null) : null);
-  const isThere = !tracked.isPending && !(needsDetected && detected.isPending);
-  return { droplets, field, error: tracked.error ?? detected.error ?? flow.error, isThere };
+  return {
+    droplets: droplets.data ?? null,
+    field,
+    error: droplets.error ?? flow.error,
+    isThere: !droplets.isPending,
+  };
 }
 
 function describe(droplets: FrameDroplets | null, frame: number): string {

@@ -4,7 +4,6 @@ import { type CSSProperties, useMemo } from "react";
 import type { Run } from "../client";
 import { Panel } from "../platform/Panel";
 import { Loading, QueryView } from "../platform/QueryView";
-import { isActive } from "../runs/states";
 import { COLOUR_BAR_PX, type Figure, withCommonColours } from "./figure";
 import { NotYet } from "./NotYet";
 import { Plot } from "./Plot";
@@ -15,9 +14,8 @@ const HEIGHT = 440;
 
 /** The size distribution over time before and after tracking; a zoom in one is a zoom in both. */
 export function SizesTab({ run }: { run: Run }) {
-  const isOver = !isActive(run.state);
-  const before = useQuery(figureQuery(run.id, "size_distribution_before", isOver));
-  const after = useQuery(figureQuery(run.id, "size_distribution_after", isOver));
+  const before = useQuery(figureQuery(run, "size_distribution_before"));
+  const after = useQuery(figureQuery(run, "size_distribution_after"));
   const [left, right] = useMemo(
     () => withCommonColours((before.data ?? null) as Figure | null, (after.data ?? null) as Figure | null),
     [before.data, after.data],

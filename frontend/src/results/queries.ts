@@ -1,61 +1,75 @@
 import { keepPreviousData, queryOptions } from "@tanstack/react-query";
-import { dropletsGet, type FigureName, figuresGet, flowGet, resultFilesList } from "../client";
+import { dropletsGet, type FigureName, figuresGet, flowGet, type Run, resultFilesList } from "../client";
 import { ProblemError } from "../platform/problem";
-import { isWorthRetrying } from "../platform/queryClient";
+import { isActive } from "../runs/states";
+import { type Availability, availability, STAGES_OF } from "./availability";
 
-/** Results of a run that goes on are asked for anew at this pace. */
-export const REFRESH_MS = 4_000;
+/** What grows is asked for anew at this pace. */
+const REFRESH_MS = 4_000;
 const KEEP_MS = 60_000;
 
-/** A result that is not there yet is an answer like any other: null. */
-async function orNotYet<Data>(asked: Promise<{ data: Data }>): Promise<Data | null> {
+/** A result that is not there yet is an answer like any other: null. Nobody is asked for what cannot be there. */
+async function orNotYet<Data>(
+  available: Availability,
+  ask: () => Promise<{ data: Data }>,
+): Promise<Data | null> {
+  if (available === "none") return null;
   try {
-    return (await asked).data;
+    return (await ask()).data;
   } catch (error) {
     if (error instanceof ProblemError && error.problem.code === "results.not_yet") return null;
     throw error;
   }
 }
 
-/** `version` changes when there is more to see: results of a run that ended are asked for once. */
-export function figureQuery(runId: string, name: FigureName, isOver: boolean) {
-  return queryOptions({
-    queryKey: ["runs", runId, "figures", name, isOver],
-    queryFn: ({ signal }) => orNotYet(figuresGet({ path: { run_id: runId, name }, signal })),
-    staleTime: isOver ? Number.POSITIVE_INFINITY : 0,
-    refetchInterval: isOver ? false : REFRESH_MS,
-    placeholderData: keepPreviousData,
-    retry: isWorthRetrying,
-  });
+function freshness(available: Availability) {
+  const isGrowing = available === "growing";
+  return {
+    staleTime: isGrowing ? 0 : Number.POSITIVE_INFINITY,
+    refetchInterval: isGrowing ? REFRESH_MS : (false as const),
+  };
 }
 
-export function dropletsQuery(runId: string, frame: number, which: "detected" | "tracked", isOver: boolean) {
+export function figureQuery(run: Run, name: FigureName) {
+  const stages = STAGES_OF[name].map((stage) => availability(run, stage));
+  const available = stages[0] ?? "none";
   return queryOptions({
-    queryKey: ["runs", runId, "frames", frame, which, isOver],
+    queryKey: ["runs", run.id, "figures", name, stages],
     queryFn: ({ signal }) =>
-      orNotYet(dropletsGet({ path: { run_id: runId, frame }, query: { which }, signal })),
-    staleTime: isOver ? Number.POSITIVE_INFINITY : 0,
-    refetchInterval: isOver ? false : REFRESH_MS,
-    gcTime: KEEP_MS,
-    structuralSharing: false,
+      orNotYet(available, () => figuresGet({ path: { run_id: run.id, name }, signal })),
+    placeholderData: keepPreviousData,
+    ...freshness(available),
   });
 }
 
-export function flowQuery(runId: string, frame: number, isOver: boolean) {
+export function dropletsQuery(run: Run, frame: number, which: "detected" | "tracked") {
+  const available = availability(run, which === "tracked" ? "track" : "detect");
+  const request = { path: { run_id: run.id, frame }, query: { which } };
   return queryOptions({
-    queryKey: ["runs", runId, "frames", frame, "flow", isOver],
-    queryFn: ({ signal }) => orNotYet(flowGet({ path: { run_id: runId, frame }, signal })),
-    staleTime: isOver ? Number.POSITIVE_INFINITY : 0,
-    refetchInterval: isOver ? false : REFRESH_MS,
+    queryKey: ["runs", run.id, "frames", frame, which, available],
+    queryFn: ({ signal }) => orNotYet(available, () => dropletsGet({ ...request, signal })),
     gcTime: KEEP_MS,
     structuralSharing: false,
+    ...freshness(available),
   });
 }
 
-export function resultFilesQuery(runId: string, isOver: boolean) {
+export function flowQuery(run: Run, frame: number) {
+  const available = availability(run, "track");
   return queryOptions({
-    queryKey: ["runs", runId, "files", isOver],
-    queryFn: async ({ signal }) => (await resultFilesList({ path: { run_id: runId }, signal })).data.items,
+    queryKey: ["runs", run.id, "frames", frame, "flow", available],
+    queryFn: ({ signal }) => orNotYet(available, () => flowGet({ path: { run_id: run.id, frame }, signal })),
+    gcTime: KEEP_MS,
+    structuralSharing: false,
+    ...freshness(available),
+  });
+}
+
+export function resultFilesQuery(run: Run) {
+  const isOver = !isActive(run.state);
+  return queryOptions({
+    queryKey: ["runs", run.id, "files", isOver],
+    queryFn: async ({ signal }) => (await resultFilesList({ path: { run_id: run.id }, signal })).data.items,
     refetchInterval: isOver ? false : REFRESH_MS,
   });
 }
