@@ -42,8 +42,6 @@ export function FrameCanvas({ source, frame, paint, label, onShown }: FrameCanva
   return (
     <div
       ref={ref}
-      role="img"
-      aria-label={label}
       aria-busy={picture.isFetching}
       className="frame"
       style={{
@@ -51,8 +49,10 @@ export function FrameCanvas({ source, frame, paint, label, onShown }: FrameCanva
         maxWidth: `calc(72vh * ${source.columns / source.rows})`,
       }}
     >
-      <canvas ref={below} />
-      <canvas ref={above} />
+      <div role="img" aria-label={label}>
+        <canvas ref={below} />
+        <canvas ref={above} />
+      </div>
       {picture.isPending && <Loading rows={1} height={height || 200} />}
       {picture.error && <ProblemAlert problem={toProblem(picture.error)} />}
     </div>

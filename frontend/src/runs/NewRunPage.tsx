@@ -87,8 +87,8 @@ function NewRun({ experimentId, schema, begin, origin }: NewRunProps) {
       <Stack gap="md">
         <Group justify="space-between">
           <Text c="dimmed" fz="sm" maw={640}>
-            {origin ?? "These are the paper’s values: a good first run."} Each stage whose parameters did not
-            change is taken from earlier runs.
+            {origin ?? "These values are good for a first run; the paper’s stand beside them."} Stages whose
+            parameters did not change are taken from earlier runs.
           </Text>
           <Group gap="xs">
             <Button variant="default" onClick={() => change(defaults)}>
