@@ -28,7 +28,20 @@ from dropflow.experiment import Experiment as Document
 from dropflow.experiment import parse_experiment
 from dropflow.physics.material import resolve
 
-_READ_WITH = ("flat_field", "timestamps", "temperature_log", "grey_from")
+_SAYS_HOW_TO_UNDERSTAND = {
+    "name",
+    "pixel_size_um",
+    "frame_interval_s",
+    "droplets",
+    "up",
+    "phase",
+    "material",
+    "observation_depth_um",
+    "recorded_at",
+    "notes",
+    "tags",
+}
+"""These can be corrected at any time. All other fields say how files are to be read, and that was done."""
 
 
 def get(session: Session, viewer: Viewer, experiment_id: UUID) -> Experiment:
@@ -69,9 +82,9 @@ def change(session: Session, viewer: Viewer, experiment_id: UUID, document: dict
     _refuse_during_run(session, experiment, "changed")
     new = parsed.model_dump(mode="json")
     if experiment.stack.state == StackState.READY:
-        changed = [field for field in _READ_WITH if new[field] != experiment.document.get(field)]
-        if changed:
-            raise DescribesFiles(changed)
+        changed = {field for field in new if new[field] != experiment.document.get(field)}
+        if changed - _SAYS_HOW_TO_UNDERSTAND:
+            raise DescribesFiles(sorted(changed - _SAYS_HOW_TO_UNDERSTAND))
         if parsed.frame_interval_s is not None and experiment.stack.n_frames is not None:
             experiment.stack.duration_s = (experiment.stack.n_frames - 1) * parsed.frame_interval_s
     experiment.document = new

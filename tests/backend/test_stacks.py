@@ -67,7 +67,7 @@ def test_while_frames_are_read_the_stack_says_so(house: House) -> None:
         ([Upload("a.tif", GOOD), Upload("b.tif", tiff(frame(0)[:100]))], "frames.shape_mismatch", "b.tif", 1),
         ([Upload("a.png", _coloured())], "frames.colour", "a.png", None),
         ([Upload("a.zip", _zip(Upload("readme.txt", b"hello")))], "frames.empty", "a.zip", None),
-        ([Upload("a.zip", b"PK\x03\x04" + bytes(100))], "frames.unreadable", "a.zip", None),
+        ([Upload("a.zip", b"PK\x03\x04" + bytes(100))], "frames.truncated", "a.zip", None),
         ([Upload("1/a.tif", GOOD), Upload("2/a.tif", GOOD)], "frames.several_folders", "the stack", None),
     ],
     ids=["truncated", "shape", "colour", "no images", "broken zip", "two folders"],
