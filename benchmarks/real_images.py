@@ -22,7 +22,7 @@ from dropflow.detection import make_detector
 from dropflow.droplets import Droplets
 from dropflow.experiment import Experiment, GreyFrom, parse_experiment
 from dropflow.figures.overlay import draw_overlay
-from dropflow.frames import open_frames
+from dropflow.frames import Choice, open_frames
 from dropflow.parameters import Parameters, load_parameters
 from dropflow.preprocess import estimate_stack
 
@@ -140,7 +140,7 @@ def main() -> None:
     cv2.setNumThreads(1)
     base = load_parameters(given.parameters) if given.parameters else Parameters()
     for images, which in (WATER, (0, 25, 49)), (BOILING, (0, 50, 100)):
-        with open_frames(given.data / images.path, grey_from=images.grey_from) as frames:
+        with open_frames(given.data / images.path, Choice(grey_from=images.grey_from)) as frames:
             for i in which:
                 report(images, f"{images.path.split('/')[0]} frame {i}", frames[i], base, given.overlays)
     for file in sorted((given.data / BUBBLES.path).glob("*.png")):

@@ -22,7 +22,7 @@ from dropflow import pipeline
 from dropflow.detections import write_droplets
 from dropflow.errors import DropflowError, ExperimentError, FieldProblem
 from dropflow.experiment import Experiment
-from dropflow.frames import open_frames, open_image
+from dropflow.frames import Choice, open_frames, open_image
 from dropflow.ingest import StackIndex, index_stack
 from dropflow.parameters import Parameters
 from dropflow.preprocess import StackEstimate
@@ -59,7 +59,7 @@ def open_film(
         attachments = {field: opened.enter_context(path.open("rb")) for field, path in paths.items()}
         index = index_stack(source, experiment, attachments=attachments, progress=progress)
     flat_field = open_image(paths["flat_field"]) if "flat_field" in paths else None
-    with open_frames(source, grey_from=experiment.grey_from) as frames:
+    with open_frames(source, Choice.of(experiment)) as frames:
         measured = pipeline.estimate(frames, experiment, parameters, flat_field=flat_field)
     return Film(source, experiment, parameters, index, measured)
 
@@ -75,7 +75,7 @@ def analyse(film: Film, output: Path, *, n_processes: int, progress: Progress = 
     """Run every stage and leave `dropflow.pipeline.RESULT_FILES` in the folder `output`."""
     with _work_folder(output, f"analyse-{film.key[:16]}") as work:
         _detect_into(film, work, n_processes, progress)
-        with open_frames(film.source, grey_from=film.experiment.grey_from) as frames:
+        with open_frames(film.source, Choice.of(film.experiment)) as frames:
             pipeline.track_film(
                 frames,
                 film.index,
@@ -155,7 +155,7 @@ def _take_part(film: Film) -> None:
 def _detect_shard(given: Film | None, start: int, path: Path) -> None:
     film = given or _film_of_this_process
     assert film is not None  # noqa: S101 - `_take_part` ran before any task of this process
-    with open_frames(film.source, grey_from=film.experiment.grey_from) as frames:
+    with open_frames(film.source, Choice.of(film.experiment)) as frames:
         stop = _stop(film, start)
         table: pa.Table = pipeline.detect_range(
             frames, film.index, film.experiment, film.parameters, film.measured, start=start, stop=stop

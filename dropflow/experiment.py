@@ -53,9 +53,11 @@ class Experiment(StrictModel):
     pixel_size_um: Annotated[float, Field(gt=0, le=1e4)]
     """Edge of one pixel in the sample, micrometres."""
     frame_interval_s: Annotated[float, Field(gt=0, le=1e6)] | None = None
-    """Time between frames, seconds. Give this or `timestamps`."""
+    """Time between frames, seconds. Give this, or `timestamps`, or `times_from_frames`."""
     timestamps: str | None = None
-    """CSV file beside experiment.yaml with one time per frame (column `time_s`). Give this or `frame_interval_s`."""
+    """CSV file beside experiment.yaml with one time per frame (column `time_s`), instead of `frame_interval_s`."""
+    times_from_frames: bool = False
+    """The frames' own file says when each was taken (OME-TIFF, ND2, video): use that, instead of `frame_interval_s`."""
     droplets: DropletTone
     """`bright` on a dark ground, or `dark` on a bright one. `dark` inverts the image and nothing else."""
     up: tuple[float, float] = (0.0, -1.0)
@@ -75,6 +77,16 @@ class Experiment(StrictModel):
     """Depth over which droplets are seen, micrometres; without it densities are per area."""
     grey_from: GreyFrom | None = None
     """How colour frames become grey. Without it a colour frame is an error."""
+    dataset: Annotated[str, Field(min_length=1, max_length=1000)] | None = None
+    """Path of the frames inside an HDF5 or Zarr file that holds more than one array."""
+    channel: Annotated[int, Field(ge=0)] | None = None
+    """Which channel of a microscope's file (OME-TIFF, OME-Zarr, ND2, ImageJ) is the film, counted from 0."""
+    z_plane: Annotated[int, Field(ge=0)] | None = None
+    """Which z-plane of a microscope's file is the film, counted from 0."""
+    is_z_time: bool = False
+    """What the file calls z-planes are the frames of the film."""
+    position: Annotated[int, Field(ge=0)] | None = None
+    """Which position of the stage, or image of a set, is the film, counted from 0."""
     recorded_at: datetime | None = None
     """When the film began."""
     notes: Annotated[str, Field(max_length=20_000)] = ""
@@ -92,9 +104,11 @@ class Experiment(StrictModel):
 
     @model_validator(mode="after")
     def _one_source_of_time(self) -> "Experiment":
-        if (self.frame_interval_s is None) == (self.timestamps is None):
+        if (self.frame_interval_s is not None) + (self.timestamps is not None) + self.times_from_frames != 1:
             raise FieldError(
-                "frame_interval_s", "give either frame_interval_s (seconds between frames) or timestamps (a CSV file)"
+                "frame_interval_s",
+                "give one of frame_interval_s (seconds between frames), timestamps (a CSV file) "
+                "and times_from_frames (the frames' file knows)",
             )
         return self
 

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from dropflow.documents import StrictModel
 from dropflow.errors import ExperimentError, FieldProblem
 from dropflow.experiment import Experiment
-from dropflow.frames import Files, Frames, open_frames, stack_files
+from dropflow.frames import Choice, Files, Frames, open_frames, stack_files
 from dropflow.progress import Progress, silent
 
 _BLOCK_BYTES = 1 << 20
@@ -72,7 +72,7 @@ def index_stack(
     """
     attached = attachments or {}
     files, names = stack_files(source)
-    with open_frames(source, grey_from=experiment.grey_from) as frames:
+    with open_frames(source, Choice.of(experiment)) as frames:
         n_frames, (n_rows, n_columns), dtype = len(frames), frames.shape, str(frames.dtype)
     times_s = frame_times_s(experiment, n_frames, timestamps=attached.get("timestamps"))
     found = []

@@ -13,7 +13,7 @@ from backend.models import File, Product, Run, Shard, Stack
 from backend.platform.object_store import ObjectStore
 from backend.platform.store_files import StoreFiles
 from dropflow.experiment import Experiment, parse_experiment
-from dropflow.frames import Frames, open_frames
+from dropflow.frames import Choice, Frames, open_frames
 from dropflow.ingest import StackIndex
 from dropflow.parameters import Parameters, parse_parameters
 from dropflow.preprocess import StackEstimate
@@ -40,7 +40,7 @@ class Film:
     def frames(self) -> Iterator[Frames]:
         """The stack, open."""
         source = StoreFiles(self.store, self.files[FRAMES_ROLE])
-        with open_frames(source, grey_from=self.experiment.grey_from) as frames:
+        with open_frames(source, Choice.of(self.experiment)) as frames:
             yield frames
 
 

@@ -12,7 +12,7 @@ from backend.platform.events import announce, experiment_topic
 from backend.platform.object_store import product_prefix
 from backend.platform.store_files import StoreFiles
 from dropflow.experiment import parse_experiment
-from dropflow.frames import open_frames
+from dropflow.frames import Choice, open_frames
 from dropflow.ingest import StackIndex, check_frames, index_stack
 from worker.context import Context
 from worker.film import FRAMES_ROLE, uploaded_files
@@ -49,7 +49,7 @@ def _index(context: Context, lease: Lease) -> StackIndex:
             for key in named.values()
         }
         index = index_stack(source, experiment, attachments=attachments, checksums=checksums, progress=lease.alive)
-        frames = opened.enter_context(open_frames(source, grey_from=experiment.grey_from))
+        frames = opened.enter_context(open_frames(source, Choice.of(experiment)))
         check_frames(frames, progress=lease)
     return index
 

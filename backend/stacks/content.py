@@ -5,13 +5,9 @@ from collections.abc import AsyncIterator
 
 from backend.stacks.errors import EmptyFile, TooLarge, WrongKind
 from backend.stacks.schemas import Role
-from dropflow.frames.decode import MAGIC_BYTES, kind_of
+from dropflow.frames.kinds import HEAD_BYTES, KINDS, STILLS, WHAT_TO_GIVE, kind_of
 
-_KINDS = {
-    Role.FRAMES: {"tiff", "png", "jpeg", "zip"},
-    Role.FLAT_FIELD: {"tiff", "png", "jpeg"},
-}
-_HEAD_BYTES = max(MAGIC_BYTES, 512)
+_KINDS_OF_ROLE = {Role.FRAMES: KINDS, Role.FLAT_FIELD: STILLS | {"tiff"}}
 
 
 class Content:
@@ -34,7 +30,7 @@ class Content:
             self._count(chunk)
             if head is not None:
                 head += chunk
-                if len(head) < _HEAD_BYTES:
+                if len(head) < HEAD_BYTES:
                     continue
                 check_kind(head, self._name, self._role)
                 yield head
@@ -56,13 +52,13 @@ class Content:
 
 def check_kind(head: bytes, name: str, role: Role) -> None:
     """Refuse a file whose first bytes are not those of what `role` needs. The name says nothing."""
-    if role in _KINDS:
-        if kind_of(head) not in _KINDS[role]:
+    if role in _KINDS_OF_ROLE:
+        if kind_of(head) not in _KINDS_OF_ROLE[role]:
             raise WrongKind(
                 name,
                 code="frames.not_an_image",
-                message="This file is not an image.",
-                hint="Give TIFF, PNG or JPEG frames, a multi-page TIFF, or a ZIP of frames.",
+                message="This file is not an image or film.",
+                hint=WHAT_TO_GIVE,
             )
     elif b"\0" in head or kind_of(head) is not None:
         raise WrongKind(

@@ -9,7 +9,7 @@ from backend.platform.visibility import Viewer
 from backend.stacks import service
 from backend.stacks.images import OpenStacks
 from dropflow.experiment import parse_experiment
-from dropflow.frames import Frame, Frames, open_frames
+from dropflow.frames import Choice, Frame, Frames, open_frames
 
 
 def read_frame(
@@ -19,6 +19,6 @@ def read_frame(
 
     def open_stack() -> Frames:
         files = StoreFiles(store, service.frame_files(session, viewer, experiment.id))
-        return open_frames(files, grey_from=parse_experiment(experiment.document).grey_from)
+        return open_frames(files, Choice.of(parse_experiment(experiment.document)))
 
     return stacks.read(f"{experiment.id}/{experiment.stack.checksum}", frame, open_stack)

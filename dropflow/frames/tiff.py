@@ -1,107 +1,99 @@
-"""TIFF files, of one page or many, as frames."""
+"""TIFF files, of one page or many, as frames: classic, BigTIFF, ImageJ, OME."""
 
 import logging
-import threading
-from typing import BinaryIO
 
 import numpy as np
 import tifffile
 
 from dropflow.errors import FramesError
-from dropflow.experiment import GreyFrom
-from dropflow.frames.contract import Frame, Frames
-from dropflow.frames.decode import check_size, to_grey
-from dropflow.frames.tiff_chain import count_pages
+from dropflow.frames.choice import Choice
+from dropflow.frames.contract import Frame, Times, check_count
+from dropflow.frames.damage import Source, reading
+from dropflow.frames.findings import Finding
+from dropflow.frames.grey import to_grey
+from dropflow.frames.reader import Reader
+from dropflow.frames.tiff_chain import page_offsets
+from dropflow.frames.tiff_page import check_page, page_pixels
+from dropflow.frames.tiff_plan import Plan, plan
 
 # What tifffile logs (broken tags, odd metadata) is raised below in our own words where it matters.
 logging.getLogger("tifffile").setLevel(logging.CRITICAL)
 
-# All that a damaged file makes tifffile and its codecs raise; they have no common base but Exception.
-_DAMAGE = (Exception,)
 
+class TiffFrames(Reader[Source]):
+    """The pages of one TIFF file, read one at a time."""
 
-class TiffFrames(Frames):
-    """The pages of one TIFF file, read one at a time from `file`, which is closed with the frames or if they fail."""
+    what = "TIFF file"
+    _tiff: tifffile.TiffFile
+    _plan: Plan
+    _waiting: Frame | None = None
+    """Frame 0, which had to be read to know its size, until it is asked for."""
 
-    def __init__(self, file: BinaryIO, *, name: str, grey_from: GreyFrom | None = None) -> None:
-        self._file, self._name, self._grey_from = file, name, grey_from
-        self._lock = threading.Lock()
-        self._size_bytes = file.seek(0, 2)
-        try:
-            self._n_pages = count_pages(file)
-            file.seek(0)
-            self._tiff = tifffile.TiffFile(file, name=name)
-            first = self._read(0)
-        except FramesError:
-            file.close()
-            raise
-        except _DAMAGE as problem:
-            file.close()
-            raise self._damaged(problem) from None
-        self.shape = (first.shape[0], first.shape[1])
-        self.dtype = first.dtype
+    def __init__(self, source: Source, *, name: str, choice: Choice) -> None:
+        self._choice = choice
+        super().__init__(source, name=name)
+
+    def _open(self) -> None:
+        file = self._source.as_file()
+        self._offsets = page_offsets(file)
+        check_count(len(self._offsets), self._name)
+        file.seek(0)
+        # Never the other files of a set: their names come from this one.
+        self._tiff = tifffile.TiffFile(file, name=self._name, _multifile=False)
+        self._plan = plan(self._page(0), len(self._offsets), self._choice, self._name)
+        self._waiting = self._read(0)
+        self.shape = (self._waiting.shape[0], self._waiting.shape[1])
+        self.dtype = self._waiting.dtype
 
     def __len__(self) -> int:
-        return self._n_pages
+        return len(self._plan.pages)
 
     def label(self, index: int) -> str:
-        return self._name if self._n_pages == 1 else f"{self._name}, page {index}"
+        return self._name if len(self) == 1 else f"{self._name}, page {self._plan.pages[index]}"
 
-    def read(self, index: int) -> Frame:
-        return same_shape(self._read(index), self, index)
+    def times_s(self) -> Times | None:
+        return self._plan.times_s
 
-    def close(self) -> None:
-        self._tiff.close()
-        self._file.close()
+    def findings(self) -> tuple[Finding, ...]:
+        return self._plan.findings
 
     def _read(self, index: int) -> Frame:
-        if self._n_pages == 0:
-            raise FramesError("The TIFF file holds no image.", code="frames.empty", file=self._name)
-        try:
-            with self._lock:
-                page = self._tiff.pages[index].aspage()
-                check_size(page.shape[0], page.shape[1] if len(page.shape) > 1 else 0, self.label(index))
-                self._check_complete(page, index)
-                pixels = page.asarray(maxworkers=1)
-        except FramesError as problem:
-            raise FramesError(problem.message, code=problem.code, file=problem.file, frame=index) from None
-        except _DAMAGE as problem:
-            raise self._damaged(problem, index) from None
-        if page.photometric == tifffile.PHOTOMETRIC.MINISWHITE and pixels.dtype.kind == "u":
-            pixels = np.iinfo(pixels.dtype).max - pixels
-        if pixels.ndim == 3 and page.planarconfig == tifffile.PLANARCONFIG.SEPARATE:
-            pixels = np.moveaxis(pixels, 0, -1)
-        return to_grey(pixels, self.label(index), self._grey_from)
+        if index == 0 and self._waiting is not None:
+            frame, self._waiting = self._waiting, None
+            return frame
+        label = self.label(index)
+        page = self._page(0 if self._plan.is_one_block else self._plan.pages[index])
+        check_page(page, label, self._source.size_bytes)
+        pixels = self._in_block(page, self._plan.pages[index], label) if self._plan.is_one_block else page_pixels(page)
+        return to_grey(pixels, label, self._choice.grey_from)
 
-    def _check_complete(self, page: tifffile.TiffPage, index: int) -> None:
-        """Refuse a page whose data runs past the end of the file: tifffile would fill it with zeros."""
-        ends = [
-            o + n if o and n else self._size_bytes + 1
-            for o, n in zip(page.dataoffsets, page.databytecounts, strict=True)
-        ]
-        if not ends or max(ends) > self._size_bytes:
-            raise FramesError("The file ends before the image does.", code="frames.truncated", file=self.label(index))
+    def _page(self, number: int) -> tifffile.TiffPage:
+        self._tiff.filehandle.seek(self._offsets[number])
+        return tifffile.TiffPage(self._tiff, number)
 
-    def _damaged(self, problem: Exception, index: int | None = None) -> FramesError:
-        reason = " ".join(str(problem).split()) or type(problem).__name__
-        return FramesError(
-            f"The TIFF file cannot be read ({reason}).",
-            code="frames.truncated",
-            file=self._name,
-            frame=index,
-            hint="It may be cut off or damaged: copy it again.",
-        )
+    def _in_block(self, page: tifffile.TiffPage, place: int, label: str) -> Frame:
+        """The frame at this place in a block of frames that follow each other without compression."""
+        if not page.is_contiguous or page.dtype is None:
+            raise ValueError(f"it says it holds {len(self)} frames, but has one page")
+        dtype = np.dtype(page.dtype).newbyteorder(page.parent.byteorder)
+        n_bytes = dtype.itemsize * page.imagelength * page.imagewidth * page.samplesperpixel
+        start = page.dataoffsets[0] + place * n_bytes
+        if start + n_bytes > self._source.size_bytes:
+            raise FramesError("The file ends before the image does.", code="frames.truncated", file=label)
+        self._source.seek(start)
+        pixels = np.frombuffer(self._source.read(n_bytes), dtype)
+        shape = (page.imagelength, page.imagewidth)
+        return pixels.reshape(shape if page.samplesperpixel == 1 else (*shape, page.samplesperpixel))
 
 
-def same_shape(frame: Frame, frames: Frames, index: int) -> Frame:
-    """Return `frame`, or raise if its shape is not that of the first of `frames`."""
-    if frame.shape != frames.shape:
-        raise FramesError(
-            f"The frame is {frame.shape[0]} x {frame.shape[1]} pixels, "
-            f"but the first is {frames.shape[0]} x {frames.shape[1]}.",
-            code="frames.shape_mismatch",
-            file=frames.label(index),
-            frame=index,
-            hint="All frames of one film must have one size.",
-        )
-    return frame
+def read_tiff_still(source: Source, *, name: str, choice: Choice) -> Frame:
+    """The one frame of a TIFF file, which is closed."""
+    with reading("TIFF file", file=name, source=source), TiffFrames(source, name=name, choice=choice) as frames:
+        if len(frames) != 1:
+            raise FramesError(
+                f"The file holds {len(frames)} pages where 1 is expected.",
+                code="frames.page_count",
+                file=name,
+                hint="Give one frame per file, or files of several pages each.",
+            )
+        return frames.read(0)

@@ -6,6 +6,8 @@ tifffile stops in silence where a chain is broken, and a film cut in two would l
 import struct
 from typing import BinaryIO
 
+from dropflow.frames.contract import MAX_FRAMES
+
 _HEADERS = {
     b"II*\0": ("<HHI", "<H", "<I", 12),
     b"MM\0*": (">HHI", ">H", ">I", 12),
@@ -15,8 +17,8 @@ _HEADERS = {
 """By the first bytes: the header, a page's number of tags, an offset, and the bytes of a tag (TIFF 6.0 and BigTIFF)."""
 
 
-def count_pages(file: BinaryIO) -> int:
-    """Number of pages in the chain; `file` stands anywhere before and after.
+def page_offsets(file: BinaryIO) -> list[int]:
+    """Where each page of the chain begins; `file` stands anywhere before and after.
 
     Raises
     ------
@@ -27,16 +29,18 @@ def count_pages(file: BinaryIO) -> int:
     header, count, offset, tag_bytes = _HEADERS[file.read(4)]
     file.seek(0)
     position = _read(file, header)
-    seen: set[int] = set()
+    seen: dict[int, None] = {}
     while position:
         if position in seen:
             raise ValueError("its pages run in a circle")
-        seen.add(position)
+        if len(seen) >= MAX_FRAMES:
+            raise ValueError(f"it has more than {MAX_FRAMES:,} pages")
+        seen[position] = None
         file.seek(position)
         n_tags = _read(file, count)
         file.seek(n_tags * tag_bytes, 1)
         position = _read(file, offset)
-    return len(seen)
+    return list(seen)
 
 
 def _read(file: BinaryIO, layout: str) -> int:

@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 from dropflow.experiment import GreyFrom
-from dropflow.frames import open_frames
+from dropflow.frames import Choice, open_frames
 from tests.dropflow.detection.discs import find
 
 pytestmark = pytest.mark.data
 
 
 def test_dark_spots_in_water_are_found(real_data):
-    with open_frames(real_data / "trackpy_bulk_water", grey_from=GreyFrom.LUMINANCE) as frames:
+    with open_frames(real_data / "trackpy_bulk_water", Choice(grey_from=GreyFrom.LUMINANCE)) as frames:
         droplets = find(frames[0], tone="dark", radius_min_um=2.0, radius_max_um=14.0)
     assert 300 < len(droplets) < 1000
     assert np.median(droplets.r_px) < 4

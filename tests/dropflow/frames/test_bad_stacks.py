@@ -10,7 +10,7 @@ from PIL import Image
 
 from dropflow.errors import FramesError
 from dropflow.experiment import GreyFrom
-from dropflow.frames import open_frames
+from dropflow.frames import Choice, open_frames
 from tests.dropflow.frames.conftest import write_pages, write_tiff_folder
 
 
@@ -67,17 +67,17 @@ def test_frames_of_different_size_name_the_first_that_differs(tmp_path: Path, fi
     assert (raised.value.code, raised.value.file, raised.value.frame) == ("frames.shape_mismatch", "frame3.tif", 3)
 
 
-@pytest.mark.parametrize("suffix", ["png", "tif", "jpg"])
+@pytest.mark.parametrize("suffix", ["png", "tif", "jpg", "bmp"])
 def test_colour_is_refused_until_the_experiment_says_how_it_becomes_grey(tmp_path: Path, suffix: str) -> None:
     colour = np.zeros((16, 16, 3), np.uint8)
     colour[..., 1] = 200
     path = tmp_path / f"frame.{suffix}"
     Image.fromarray(colour).save(path)
     assert code_of(path) == "frames.colour"
-    with open_frames(path, grey_from=GreyFrom.GREEN) as frames:
+    with open_frames(path, Choice(grey_from=GreyFrom.GREEN)) as frames:
         assert frames[0].shape == (16, 16)
         assert frames[0].mean() == pytest.approx(200, abs=1)
-    with open_frames(path, grey_from=GreyFrom.LUMINANCE) as frames:
+    with open_frames(path, Choice(grey_from=GreyFrom.LUMINANCE)) as frames:
         assert frames[0].mean() == pytest.approx(0.587 * 200, abs=1.5)
 
 
@@ -96,7 +96,7 @@ def test_a_zip_without_images_and_a_broken_zip(tmp_path: Path) -> None:
         archive.writestr("notes.txt", "no frames here")
     assert code_of(path) == "frames.empty"
     path.write_bytes(path.read_bytes()[:-20])
-    assert code_of(path) == "frames.unreadable"
+    assert code_of(path) == "frames.truncated"
 
 
 def test_frames_in_two_folders_of_a_zip_are_not_mixed(tmp_path: Path) -> None:
@@ -109,4 +109,4 @@ def test_frames_in_two_folders_of_a_zip_are_not_mixed(tmp_path: Path) -> None:
 
 def test_complex_pixels_are_no_intensities(tmp_path: Path) -> None:
     tifffile.imwrite(tmp_path / "frame.tif", np.zeros((8, 8), np.complex64))
-    assert code_of(tmp_path / "frame.tif") == "frames.unreadable"
+    assert code_of(tmp_path / "frame.tif") == "frames.not_intensities"
