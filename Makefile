@@ -80,7 +80,7 @@ $(BIN)/python:
 
 $(REQUIREMENTS): requirements.lock | $(BIN)/python
 	echo "Installing the Python packages (about a minute) ..."
-	$(BIN)/python -m pip install --quiet --no-deps --require-hashes --requirement requirements.lock
+	$(BIN)/python -m pip install --quiet --quiet --no-deps --require-hashes --requirement requirements.lock
 	touch $@
 
 $(EDITABLE): pyproject.toml $(REQUIREMENTS)
@@ -95,5 +95,5 @@ $(NODE_MODULES): frontend/package-lock.json frontend/package.json
 
 $(PAGE): $(PAGE_SOURCES) $(NODE_MODULES)
 	echo "Building the page ..."
-	npm --prefix frontend run build --silent -- --logLevel warn
+	npm --prefix frontend run build --silent -- --logLevel error
 	touch $@

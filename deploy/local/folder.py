@@ -69,7 +69,7 @@ def _take(lock: TextIO, options: Options) -> None:
     except BlockingIOError:
         lock.seek(0)
         raise LauncherError(
-            f"Dropflow already runs on {options.data} at {lock.read().strip()}. "
+            f"another instance already runs on {options.data} at {lock.read().strip()}. "
             "Stop it first, or choose another folder: DATA=other make run",
             exit_code=2,
         ) from None
