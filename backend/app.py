@@ -57,7 +57,8 @@ def bare_app(lifespan: Lifespan[FastAPI] | None = None) -> FastAPI:
         version=code_version(),
         description="Sizes, paths and the flow field of polydisperse sedimenting droplets, from image stacks.",
         openapi_url=f"{API}/openapi.json",
-        docs_url=f"{API}/docs",
+        # FastAPI's pages of documentation load their scripts from a server elsewhere, which a lab may not reach.
+        docs_url=None,
         redoc_url=None,
         generate_unique_id_function=lambda route: route.name,
         lifespan=lifespan,

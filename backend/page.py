@@ -7,7 +7,7 @@ from fastapi.responses import FileResponse, HTMLResponse, Response
 
 NOT_BUILT = """<!doctype html><html lang="en"><title>Dropflow</title><h1>The page is not built yet</h1>
 <p>Run <code>make setup</code> in the checkout and load this again.
-The API works: <a href="/api/v1/docs">/api/v1/docs</a>.
+The API works: <a href="/api/v1/openapi.json">/api/v1/openapi.json</a> describes it.
 </html>"""
 _HEADERS = {
     "Content-Security-Policy": "object-src 'none'; base-uri 'self'; frame-ancestors 'none'",

@@ -46,22 +46,11 @@ def insert_shards(session: Session, context: Context, run: Run, shards: Sequence
         )
     )
     known: dict[str, UUID] = dict(made.all())
-    for shard in shards:
-        product_id = known.get(shard.input_key)
-        row = Shard(
-            experiment_id=run.experiment_id,
-            run_id=run.id,
-            task=shard.task,
-            start_frame=shard.frames.start,
-            stop_frame=shard.frames.stop,
-            input_key=shard.input_key,
-        )
-        if product_id is not None:
-            row.state, row.product_id, row.is_reused = ShardState.COMPLETED, product_id, True
-            row.done_frames = len(shard.frames)
-        session.add(row)
-        session.flush()
-        if product_id is None:
+    rows = [_row(run, shard, known.get(shard.input_key)) for shard in shards]
+    session.add_all(rows)
+    session.flush()
+    for row in rows:
+        if row.state == ShardState.QUEUED:
             after_commit(session, _sender(context, row))
 
 
@@ -77,6 +66,21 @@ def advance(session: Session, context: Context, run: Run, task: Task) -> None:
             _complete(session, run, task)
 
 
+def _row(run: Run, shard: NewShard, product_id: UUID | None) -> Shard:
+    row = Shard(
+        experiment_id=run.experiment_id,
+        run_id=run.id,
+        task=shard.task,
+        start_frame=shard.frames.start,
+        stop_frame=shard.frames.stop,
+        input_key=shard.input_key,
+    )
+    if product_id is not None:
+        row.state, row.product_id, row.is_reused = ShardState.COMPLETED, product_id, True
+        row.done_frames = len(shard.frames)
+    return row
+
+
 def _complete(session: Session, run: Run, last: Task) -> None:
     made = select(Product.summary).join(Shard, Shard.product_id == Product.id)
     run.summary = session.scalar(made.where(Shard.run_id == run.id, Shard.task == last))
@@ -84,9 +88,9 @@ def _complete(session: Session, run: Run, last: Task) -> None:
 
 
 def _is_done(session: Session, run: Run, task: Task) -> bool:
-    shards = select(Shard.state).where(Shard.run_id == run.id, Shard.task == task)
-    states = session.scalars(shards).all()
-    return bool(states) and all(state == ShardState.COMPLETED for state in states)
+    shards = select(Shard.id).where(Shard.run_id == run.id, Shard.task == task).limit(1)
+    is_left = session.scalar(shards.where(Shard.state != ShardState.COMPLETED))
+    return is_left is None and session.scalar(shards) is not None
 
 
 def _film_shard(session: Session, run: Run, task: Task, following: Task) -> NewShard:

@@ -107,7 +107,11 @@ def send_again(context: Context) -> None:
         with context.sessions.begin() as session:
             waiting = (
                 select(Shard.id)
-                .where(Shard.state == ShardState.QUEUED, Shard.task.in_(tasks), _is_overdue(context.settings.resend_after_s))
+                .where(
+                    Shard.state == ShardState.QUEUED,
+                    Shard.task.in_(tasks),
+                    _is_overdue(context.settings.resend_after_s),
+                )
                 .order_by(Shard.created_at, Shard.start_frame)
                 .limit(_MOST_AT_ONCE)
             )

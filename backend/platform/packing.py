@@ -1,22 +1,33 @@
-"""What is known of each frame, as bytes in a row of the database."""
+"""Dataclasses of arrays as bytes in a row of the database: small, and quick to read by the thousand."""
 
-import io
+import json
+import math
+import zlib
 from dataclasses import fields
 from typing import Any, TypeVar
 
 import numpy as np
+import numpy.typing as npt
 
 Columns = TypeVar("Columns")
 
+_LENGTH_BYTES = 4
+
 
 def pack(columns: Any) -> bytes:
-    """A dataclass of arrays as a compressed archive."""
-    packed = io.BytesIO()
-    np.savez_compressed(packed, **{field.name: getattr(columns, field.name) for field in fields(columns)})
-    return packed.getvalue()
+    """The names, types and shapes of the arrays as JSON, then their values, compressed."""
+    arrays = {field.name: np.ascontiguousarray(getattr(columns, field.name)) for field in fields(columns)}
+    head = json.dumps({name: [values.dtype.str, values.shape] for name, values in arrays.items()}).encode()
+    values = b"".join(values.tobytes() for values in arrays.values())
+    return zlib.compress(len(head).to_bytes(_LENGTH_BYTES, "little") + head + values, level=1)
 
 
 def unpack(kind: type[Columns], content: bytes) -> Columns:
     """What `pack` packed."""
-    with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
-        return kind(**{field.name: arrays[field.name] for field in fields(kind)})  # type: ignore[arg-type]
+    plain = zlib.decompress(content)
+    at = _LENGTH_BYTES + int.from_bytes(plain[:_LENGTH_BYTES], "little")
+    arrays: dict[str, npt.NDArray[Any]] = {}
+    for name, (dtype, shape) in json.loads(plain[_LENGTH_BYTES:at]).items():
+        arrays[name] = np.frombuffer(plain, dtype, math.prod(shape), at).reshape(shape)
+        at += arrays[name].nbytes
+    return kind(**arrays)

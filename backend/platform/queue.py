@@ -1,6 +1,5 @@
 """Messages to workers: each says only "look at shard N". A lost one is sent again, a double one does no harm."""
 
-from typing import cast
 from uuid import UUID
 
 import redis
@@ -20,6 +19,9 @@ QUEUE_OF_TASK = {
     "analyse": "sequential",
 }
 """Somebody waits for what is interactive; what is sequential takes long on one core."""
+
+LONGEST_S = {"prepare": 1800, "detect": 1800}
+"""A process that is still at it after so long hangs; it is ended, and the work tried again. Others take as they do."""
 
 QUEUES = tuple(dict.fromkeys(QUEUE_OF_TASK.values()))
 log = structlog.get_logger()
@@ -61,14 +63,16 @@ class Queue:
 
     def send(self, shard_id: UUID, task: str) -> None:
         """Ask for a worker to look at a shard."""
+        longest_s = LONGEST_S.get(task)
+        limits = {} if longest_s is None else {"soft_time_limit": longest_s, "time_limit": longest_s + 60}
         try:
-            self._celery.send_task(TASK_NAME, [str(shard_id)], queue=QUEUE_OF_TASK[task], retry=False)
+            self._celery.send_task(TASK_NAME, [str(shard_id)], queue=QUEUE_OF_TASK[task], retry=False, **limits)
         except (OperationalError, RedisError, OSError) as problem:
             log.warning("message not sent", shard=str(shard_id), reason=str(problem))
 
     def n_waiting(self, queue: str) -> int:
         """Messages that no worker has taken yet."""
-        return cast(int, self._broker.llen(queue))  # the same client can also be asynchronous
+        return int(self._broker.llen(queue))
 
     def close(self) -> None:
         """Let go of the broker."""
