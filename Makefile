@@ -57,7 +57,7 @@ bench: python ## speed, memory and accuracy
 	$(BIN)/python -m benchmarks
 
 docs: python ## the documentation, into site/
-	$(BIN)/mkdocs build --strict --quiet
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
 
 lock: ## choose versions that fit together, for Python 3.11 (remove uv.lock first for the newest)
 	$(BIN)/python -m pip install --quiet uv
