@@ -52,7 +52,7 @@ def swept_growth_um_s(
     """Growth dr/dt of droplets that take up every smaller one in their way: collision efficiency 1.
 
     In time dt a droplet of radius r sweeps pi (r + s)^2 (u(r) - u(s)) dt of fluid that holds n(s) droplets of radius
-    s, and gains their volume: dr/dt = sum_s (r + s)^2 (u(r) - u(s)) s^3 n(s) / (3 r^2).
+    s, and gains their volume: dr/dt = pi / 3 sum_s (r + s)^2 (u(r) - u(s)) s^3 n(s) / r^2.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ def swept_growth_um_s(
     stokes = {"delta_density_kg_m3": delta_density_kg_m3, "viscosity_pa_s": viscosity_pa_s}
     faster = np.abs(sedimentation_um_s(r_um, **stokes))[:, None] - np.abs(sedimentation_um_s(bin_radius_um, **stokes))
     swept = (r_um[:, None] + bin_radius_um) ** 2 * np.maximum(faster, 0)
-    return np.asarray((swept * bin_radius_um**3 * number_per_um3).sum(axis=1) / (3 * r_um**2))
+    return np.asarray((swept * bin_radius_um**3 * number_per_um3).sum(axis=1) * (np.pi / 3) / r_um**2)
 
 
 def collision_efficiency(growth: Growth, swept_um_s: Floats) -> tuple[Floats, Floats]:

@@ -66,6 +66,8 @@ _LEAST_POINTS = 8
 _CLEAR_PROMINENCE = 4.0
 """In standard deviations of the smoothed signal's noise."""
 _LEAST_PROMINENCE = 2.0
+_CLEAR_CORRELATION = 4.0
+"""In standard deviations of the autocorrelation of noise."""
 
 
 def signal_over_time(histograms: FrameHistograms, signal: Signal) -> Floats:
@@ -124,18 +126,25 @@ def _strongest_period(signal: Floats) -> float | None:
     below = np.flatnonzero(correlation < 0)
     if not below.size:
         return None
-    peaks, found = find_peaks(correlation[below[0] :], height=0.1 * correlation[0])
-    if not peaks.size:
+    peaks, found = find_peaks(correlation[below[0] :], height=0.0)
+    period, height = peaks + below[0], found["peak_heights"]
+    # Of pure noise, n points correlate by chance to about 1 / sqrt(n).
+    is_clear = height > _CLEAR_CORRELATION * correlation[0] / np.sqrt(len(centred) - period)
+    if not is_clear.any():
         return None
     # The first that is nearly as high as the highest: later ones are multiples of the period.
-    heights = found["peak_heights"]
-    first = int(np.argmax(heights >= 0.6 * heights.max()))
-    return float(peaks[first] + below[0])
+    return float(period[is_clear & (height >= 0.6 * height[is_clear].max())][0])
 
 
 def _noise(relative: Floats, smooth: Floats, width: float) -> float:
-    """Standard deviation of what noise leaves in the smoothed signal."""
-    rough = 1.4826 * float(np.median(np.abs(relative - smooth)))
+    """Standard deviation of what noise leaves in the smoothed signal.
+
+    Droplets stay in sight for some frames, so the noise of neighbouring ones is alike and averages out less.
+    """
+    residual = relative - smooth
+    rough = 1.4826 * float(np.median(np.abs(residual)))
+    alike = float((residual[1:] * residual[:-1]).mean() / max((residual**2).mean(), 1e-30))
+    rough *= float(np.sqrt((1 + np.clip(alike, 0, 0.9)) / (1 - np.clip(alike, 0, 0.9))))
     return max(rough / float(np.sqrt(2 * np.sqrt(np.pi) * width)), 1e-12)
 
 
@@ -146,8 +155,8 @@ def _with_peaks(
     least = max(_LEAST_PROMINENCE * noise, 0.3 * swing)
     peaks, _ = find_peaks(smooth, distance=max(period / 2, 1), prominence=least)
     prominence = peak_prominences(smooth, peaks)[0]
-    # A parabola of this height over a period: noise moves its top by about noise / slope, a tenth of a period up.
-    std_s = np.clip(noise / np.maximum(prominence, 1e-12), 0, 1) * period * step_s / 4 + step_s / np.sqrt(12)
+    # Noise s, smoothed over P/20, moves the top of a sine of amplitude A by 20 s P / (4 pi^2 A); it rises by 2 A.
+    std_s = np.clip(noise / np.maximum(prominence, 1e-12), 0, 0.5) * period * step_s + step_s / np.sqrt(12)
     peak_s = time_s[peaks]
     is_clear = prominence >= _CLEAR_PROMINENCE * noise
     return Oscillations(nothing.signal_name, time_s, smooth, peak_s, std_s, is_clear & _is_regular(np.diff(peak_s)))

@@ -78,7 +78,7 @@ def summarise_trajectories(rows: pl.LazyFrame, up: Direction = (0.0, -1.0)) -> p
         )
         .collect(engine="streaming")
     )
-    return _finished(condensed, up).sort("trajectory_id").select(COLUMNS).cast(COLUMNS)  # type: ignore[arg-type]
+    return _finished(condensed, up).sort("trajectory_id").select(*COLUMNS).cast(COLUMNS)  # type: ignore[arg-type]
 
 
 def _finished(condensed: pl.DataFrame, up: Direction) -> pl.DataFrame:
