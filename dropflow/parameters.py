@@ -108,6 +108,13 @@ class DetectionParameters(StrictModel):
         return self
 
 
+class TrackingMethod(StrEnum):
+    """Whose chain follows droplets and computes the flow."""
+
+    DEFAULT = "default"
+    PAPER = "paper"
+
+
 class PaperTracking(StrictModel):
     """The constants of sections 3.2.1 and 3.3. Where `paper_value` is none the paper is silent."""
 
@@ -132,8 +139,9 @@ class PaperTracking(StrictModel):
 class TrackingParameters(StrictModel):
     """How droplets are followed from frame to frame (sections 3.2.1 and 3.3)."""
 
-    method: Method = Method.PAPER
-    """`paper` follows sections 3.2.1 and 3.3."""
+    method: TrackingMethod = TrackingMethod.DEFAULT
+    """`default` weighs all pairs of a frame by the errors of prediction and detection and computes the flow by
+    regression; `paper` follows sections 3.2 and 3.3."""
     shortest_trajectory_frames: int = knob(3, unit="frames", low=1, high=1000, paper=3, section="3.3.3")
     """Trajectories of fewer frames are removed."""
     paper: PaperTracking = PaperTracking()
@@ -157,7 +165,7 @@ class FlowParameters(StrictModel):
     n_rows: int = knob(20, unit="cells", low=2, high=1000, paper=20, section="3.2.2")
     """Cells of the grid along y."""
     paper: PaperFlow = PaperFlow()
-    """The constants of the paper's average over cells."""
+    """The constants of the paper's average over cells (tracking method `paper`)."""
 
 
 class Parameters(StrictModel):

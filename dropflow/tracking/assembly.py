@@ -27,7 +27,7 @@ def sorted_trajectories(parts: Spool, ranges: Indices, n_parts: int) -> Iterator
     for first_id, end_id, first, last in zip(first_ids, end_ids, first_frames, last_frames, strict=False):
         touched = range(first // FRAMES_PER_PART, min((last + 1) // FRAMES_PER_PART, n_parts - 1) + 1)
         wanted = (pc.field("trajectory_id") >= first_id) & (pc.field("trajectory_id") < end_id)
-        rows = pa.concat_tables([parts.read(part, wanted) for part in touched])
+        rows = pa.concat_tables([parts.read(part).filter(wanted) for part in touched])
         yield rows.sort_by([("trajectory_id", "ascending"), ("frame", "ascending")])
 
 

@@ -61,6 +61,8 @@ class BackwardPass:
     def _step_to(self, frame: int, found: Front) -> Trails:
         """Go back to `frame`; return the trails of the trajectories that begin in the frame after it."""
         earlier = replace(found, trajectory_id=self._renamed(found.trajectory_id)).sorted()
+        # A droplet that is only thought to be there, and never seen again, has left before.
+        earlier = earlier[earlier.is_seen | np.isin(earlier.trajectory_id, self._front.trajectory_id)]
         predicted_px = np.zeros((2, len(earlier)))
         if frame + 1 < self._film.n_frames:
             step = self._walk.step(self._front, earlier, self._film.look_at(frame), self._film.dt_s(frame))

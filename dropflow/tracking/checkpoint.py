@@ -10,8 +10,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import pyarrow as pa
-import pyarrow.compute as pc
-import pyarrow.parquet as pq
 
 Arrays = dict[str, npt.NDArray[Any]]
 
@@ -72,16 +70,18 @@ class Spool:
         """Write one part."""
         path = self._path(part)
         unfinished = path.with_suffix(".unfinished")
-        pq.write_table(table, unfinished, compression="lz4")
+        with pa.ipc.new_file(unfinished, table.schema) as file:
+            file.write_table(table)
         unfinished.replace(path)
 
-    def read(self, part: int, wanted: pc.Expression | None = None) -> pa.Table:
-        """Read one part, or the rows of it that are wanted."""
-        return pq.read_table(self._path(part), filters=wanted)
+    def read(self, part: int) -> pa.Table:
+        """Read one part."""
+        with pa.memory_map(str(self._path(part))) as file:
+            return pa.ipc.open_file(file).read_all()
 
     def remove(self) -> None:
         """Delete all parts."""
         shutil.rmtree(self._folder)
 
     def _path(self, part: int) -> Path:
-        return self._folder / f"{part:08d}.parquet"
+        return self._folder / f"{part:08d}.arrow"

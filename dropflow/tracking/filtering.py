@@ -19,6 +19,8 @@ class Reason(StrEnum):
     """Fewer frames than a trajectory must have."""
     STATIONARY = "stationary"
     """It did not move with the flow, as dirt does not."""
+    DOUBTFUL = "doubtful"
+    """Chance makes such a trajectory too easily."""
 
 
 VERDICTS = pa.schema(
@@ -55,6 +57,8 @@ class Trails:
     predicted_x_px: Column
     """How far flow and sedimentation should have carried it, over all its steps."""
     predicted_y_px: Column
+    evidence: Column
+    """How much more probable (ln) than chance its pairs are together."""
 
     def __len__(self) -> int:
         return len(self.trajectory_id)
@@ -67,7 +71,8 @@ class Trails:
         """Trajectories whose last frame this is."""
         at, none = np.full(len(front), frame), np.zeros(len(front))
         x, y, r = front.droplets.x_px, front.droplets.y_px, front.droplets.r_px
-        return Trails(front.trajectory_id, np.ones(len(front), np.int64), at, at, x, y, x, y, r, none, none)
+        one = np.ones(len(front), np.int64)
+        return Trails(front.trajectory_id, one, at, at, x, y, x, y, r, none, none, front.evidence)
 
     def extend(self, front: Front, frame: int, predicted_step_px: Column) -> tuple["Trails", "Trails"]:
         """Go back to `front` at `frame`, whose droplets were predicted to move by `predicted_step_px`, shape (2, n).
@@ -100,22 +105,27 @@ class Trails:
         joined = {name: getattr(self, name).copy() for name in self.__dataclass_fields__}
         for name in ("last_frame", "last_x_px", "last_y_px"):
             joined[name][rows] = getattr(later, name)[later_rows]
-        for name in ("n_frames", "r_sum_px"):
+        for name in ("n_frames", "r_sum_px", "evidence"):
             joined[name][rows] += getattr(later, name)[later_rows]
         joined["predicted_x_px"][rows] = later.predicted_x_px[later_rows] + step_px[0, rows]
         joined["predicted_y_px"][rows] = later.predicted_y_px[later_rows] + step_px[1, rows]
         return replace(self, **joined)
 
 
-def reasons(trails: Trails, *, shortest_frames: int, stationary_fraction: float) -> npt.NDArray[np.str_]:
+def reasons(
+    trails: Trails, *, shortest_frames: int, stationary_fraction: float, least_evidence: float | None = None
+) -> npt.NDArray[np.str_]:
     """Why each complete trajectory is rejected, shape (n,); an empty word for those that are kept.
 
     Too short ones go first. Of the others go those that moved by less than `stationary_fraction` of the way that they
     were predicted to go in the same time, start to end. The prediction is that of their own place and size: a mean
-    over the film would condemn droplets wherever the fluid is slow or flows against their sedimentation.
+    over the film would condemn droplets wherever the fluid is slow or flows against their sedimentation. At last go
+    those that have less than `least_evidence`, where there is such a limit.
     """
     moved_px = np.hypot(trails.last_x_px - trails.first_x_px, trails.last_y_px - trails.first_y_px)
     predicted_px = np.hypot(trails.predicted_x_px, trails.predicted_y_px)
     is_stationary = moved_px < stationary_fraction * predicted_px
     is_short = trails.n_frames < shortest_frames
-    return np.where(is_short, str(Reason.SHORT), np.where(is_stationary, str(Reason.STATIONARY), ""))
+    is_doubtful = trails.evidence < (-np.inf if least_evidence is None else least_evidence)
+    conditions = [is_short, is_stationary, is_doubtful]
+    return np.select(conditions, [str(Reason.SHORT), str(Reason.STATIONARY), str(Reason.DOUBTFUL)], default="")

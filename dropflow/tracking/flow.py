@@ -33,11 +33,11 @@ class FlowField:
 
     def sample(self, x_px: Column, y_px: Column) -> Column:
         """Velocity at points, shape (2, n), um/s: bilinear between centres, constant beyond the outermost ones."""
-        return _bilinear(self.grid, self.velocity_um_s, x_px, y_px)
+        return bilinear(self.grid, self.velocity_um_s, x_px, y_px)
 
     def sample_std(self, x_px: Column, y_px: Column) -> Column:
         """Standard deviation of the velocity's error at points, shape (2, n), um/s."""
-        return _bilinear(self.grid, self.velocity_std_um_s, x_px, y_px)
+        return bilinear(self.grid, self.velocity_std_um_s, x_px, y_px)
 
     def mean_um_s(self) -> Column:
         """Mean velocity, shape (2,), over the cells that were computed from droplets; zero if there are none."""
@@ -58,7 +58,8 @@ def still_flow(grid: Grid) -> FlowField:
     return replace(flow, velocity_um_s=np.zeros_like(flow.velocity_um_s))
 
 
-def _bilinear(grid: Grid, values: npt.NDArray[np.float64], x_px: Column, y_px: Column) -> Column:
+def bilinear(grid: Grid, values: npt.NDArray[np.float64], x_px: Column, y_px: Column) -> Column:
+    """Values (k, n_rows, n_columns) of the cells' centres at points, shape (k, n); constant beyond the outermost."""
     row, column = grid.position_of(x_px, y_px)
     row = np.clip(row, 0, grid.n_rows - 1)
     column = np.clip(column, 0, grid.n_columns - 1)

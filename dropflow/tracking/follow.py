@@ -1,36 +1,16 @@
-"""One droplet's next (or previous) place: among known droplets first, then in the image (sections 3.3.1 and 3.3.2)."""
+"""A predicted droplet that no known one is: looked for in the image (sections 3.3.1 and 3.3.2)."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
 
 from dropflow.droplets import Droplets
-from dropflow.tracking.grid import Grid
 from dropflow.tracking.identification import Indices, Pairs, greedy, same_droplets
 
 Look = Callable[[Droplets], tuple[Droplets, npt.NDArray[np.bool_]]]
 """`dropflow.detection.contract.Detector.find_near` on the image of one frame."""
-
-
-class Rules(Protocol):
-    """What decides, in one method of tracking, whether two droplets are one."""
-
-    @property
-    def grid(self) -> Grid:
-        """The grid over the frame."""
-        ...
-
-    @property
-    def similar_ratio(self) -> tuple[float, float]:
-        """Between which the ratio of similar radii lies."""
-        ...
-
-    def pair(self, predicted: Droplets, candidates: Droplets, *, spacing_px: float) -> Pairs:
-        """Identify predicted droplets with candidates, each at most once, where droplets are `spacing_px` apart."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -45,14 +25,20 @@ class Followed:
     """Where the image showed them, as many as `searched`."""
 
 
-def follow(predicted: Droplets, candidates: Droplets, taken: Droplets, look: Look | None, rules: Rules) -> Followed:
-    """Find predicted droplets among `candidates`, and those left over in the image.
+def follow(
+    predicted: Droplets,
+    paired: Pairs,
+    candidates: Droplets,
+    *,
+    taken: Droplets,
+    look: Look | None,
+    similar_ratio: tuple[float, float],
+) -> Followed:
+    """Find in the image those predicted droplets that are not `paired` with one of the `candidates`.
 
     What the image shows at one of the `taken` droplets (they belong to other trajectories) would be a branch and is
     given up; what it shows at a candidate nobody has claimed is that candidate.
     """
-    spacing_px = rules.grid.spacing_px(len(candidates) + len(taken))
-    paired = rules.pair(predicted, candidates, spacing_px=spacing_px)
     nothing = Followed(paired, np.empty(0, np.int64), Droplets.empty())
     missing = np.setdiff1d(np.arange(len(predicted)), paired.first)
     if look is None or not len(missing):
@@ -60,12 +46,12 @@ def follow(predicted: Droplets, candidates: Droplets, taken: Droplets, look: Loo
     sighted, is_good = look(predicted[missing])
     missing, sighted = missing[is_good], sighted[is_good]
     claimed = Droplets.concatenate([taken, candidates[paired.second]])
-    is_branch = np.isin(np.arange(len(missing)), same_droplets(sighted, claimed, rules.similar_ratio).first)
+    is_branch = np.isin(np.arange(len(missing)), same_droplets(sighted, claimed, similar_ratio).first)
     missing, sighted = missing[~is_branch], sighted[~is_branch]
-    kept = _without_twins(predicted[missing], sighted, rules)
+    kept = _without_twins(predicted[missing], sighted, similar_ratio)
     missing, sighted = missing[kept], sighted[kept]
     free = np.setdiff1d(np.arange(len(candidates)), paired.second)
-    same = same_droplets(sighted, candidates[free], rules.similar_ratio)
+    same = same_droplets(sighted, candidates[free], similar_ratio)
     distance = _distance(sighted[same.first], candidates[free[same.second]])
     recovered = greedy(same.first, same.second, distance)
     first = np.concatenate([paired.first, missing[recovered.first]])
@@ -75,11 +61,11 @@ def follow(predicted: Droplets, candidates: Droplets, taken: Droplets, look: Loo
     return Followed(Pairs(first[order], second[order]), missing[is_new], sighted[is_new])
 
 
-def _without_twins(expected: Droplets, sighted: Droplets, rules: Rules) -> npt.NDArray[np.bool_]:
+def _without_twins(expected: Droplets, sighted: Droplets, similar_ratio: tuple[float, float]) -> npt.NDArray[np.bool_]:
     """Of several predictions that led to one droplet only the nearest is it."""
     kept = np.ones(len(sighted), bool)
     off_px = _distance(expected, sighted)
-    twins = same_droplets(sighted, sighted, rules.similar_ratio)
+    twins = same_droplets(sighted, sighted, similar_ratio)
     nearest_first = np.lexsort((twins.second, twins.first, off_px[twins.first]))
     for one, other in zip(twins.first[nearest_first].tolist(), twins.second[nearest_first].tolist(), strict=True):
         if one != other and kept[one]:

@@ -49,3 +49,23 @@ class Grid:
     def spacing_px(self, n_droplets: int) -> float:
         """Mean spacing of `n_droplets` in the frame, px: the edge of the square that each has to itself."""
         return float(np.sqrt(self.height_px * self.width_px / max(n_droplets, 1)))
+
+
+class CornerGrid(Grid):
+    """Points over a frame, the outermost at its edges, instead of cells."""
+
+    @property
+    def x_px(self) -> Column:
+        """Of the columns, shape (n_columns,)."""
+        return np.linspace(-0.5, self.width_px - 0.5, self.n_columns)
+
+    @property
+    def y_px(self) -> Column:
+        """Of the rows, shape (n_rows,)."""
+        return np.linspace(-0.5, self.height_px - 0.5, self.n_rows)
+
+    def position_of(self, x_px: Column, y_px: Column) -> tuple[Column, Column]:
+        """Row and column as real numbers, whole at the points."""
+        row = (y_px + 0.5) * ((self.n_rows - 1) / self.height_px)
+        column = (x_px + 0.5) * ((self.n_columns - 1) / self.width_px)
+        return row, column

@@ -16,7 +16,7 @@ from dropflow.detection.contract import Detector
 from dropflow.droplets import Droplets
 from dropflow.experiment import Experiment
 from dropflow.frames import Frames
-from dropflow.parameters import Parameters
+from dropflow.parameters import Parameters, TrackingMethod
 from dropflow.physics.material import resolve
 from dropflow.progress import Progress, silent
 from dropflow.tables import TRAJECTORIES
@@ -31,6 +31,7 @@ from dropflow.tracking.forward_pass import ForwardPass
 from dropflow.tracking.grid import Grid
 from dropflow.tracking.paper import PaperChain, PaperRules
 from dropflow.tracking.prediction import Motion
+from dropflow.tracking.probable import ProbableChain
 from dropflow.tracking.stages import Stage
 
 _DONE = "done"
@@ -140,7 +141,11 @@ def track_film(
 
 def make_chain(grid: Grid, motion: Motion, parameters: Parameters) -> Chain:
     """The chain of `parameters.tracking.method`."""
-    return PaperChain(PaperRules(grid, motion, parameters.tracking, parameters.flow))
+    match parameters.tracking.method:
+        case TrackingMethod.PAPER:
+            return PaperChain(PaperRules(grid, motion, parameters.tracking, parameters.flow))
+        case TrackingMethod.DEFAULT:
+            return ProbableChain(grid, motion, parameters.tracking)
 
 
 class _Steps:

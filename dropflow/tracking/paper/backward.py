@@ -50,7 +50,9 @@ def retreat(
     flow = rules.flow_between(earlier.droplets[links.earlier], later.droplets[links.later], dt_s)
     usable = flow if flow.is_known else guess or still_flow(rules.grid)
     predicted = rules.motion.backward(later.droplets[heads], usable, dt_s)
-    followed = follow(predicted, earlier.droplets[tails], earlier.droplets[links.earlier], look, rules)
+    ends, others = earlier.droplets[tails], earlier.droplets[links.earlier]
+    paired = rules.pair(predicted, ends, spacing_px=rules.grid.spacing_px(len(earlier)))
+    followed = follow(predicted, paired, ends, taken=others, look=look, similar_ratio=rules.similar_ratio)
     merged_tails, heads_of_merged = tails[followed.paired.second], heads[followed.paired.first]
     ids = earlier.trajectory_id.copy()
     ids[merged_tails] = later.trajectory_id[heads_of_merged]

@@ -71,7 +71,8 @@ def advance(state: State, detected: Droplets, look: Look | None, rules: PaperRul
     droplets = state.front.droplets
     flow = _flow_of_step(droplets, detected, state.flow, rules, dt_s)
     predicted = rules.motion.forward(droplets, flow or still_flow(rules.grid), dt_s)
-    followed = follow(predicted, detected, Droplets.empty(), look, rules)
+    paired = rules.pair(predicted, detected, spacing_px=rules.grid.spacing_px(len(detected)))
+    followed = follow(predicted, paired, detected, taken=Droplets.empty(), look=look, similar_ratio=rules.similar_ratio)
     front = _continue(state, detected, followed)
     before = droplets[np.concatenate([followed.paired.first, followed.searched])]
     after = Droplets.concatenate([detected[followed.paired.second], followed.sighted])

@@ -5,11 +5,10 @@ import sys
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from dropflow.parameters import Parameters
+from dropflow.parameters import parse_parameters
 from dropflow.progress import Progress, silent
 from dropflow.tracking.film import Film as TrackedFilm
 from dropflow.tracking.track import TrackingResult, track_film
@@ -17,13 +16,20 @@ from tests.dropflow.tracking.generated import Film, film, true_links, vortices
 
 
 def tracked(
-    given: Film, folder: Path, *, progress: Progress = silent, parameters: Parameters | None = None, **about: Any
+    given: Film,
+    folder: Path,
+    method: str = "default",
+    *,
+    progress: Progress = silent,
+    shortest_trajectory_frames: int = 3,
+    flow: dict[str, int] | None = None,
+    **about: Any,
 ) -> TrackingResult:
     """Track a generated film."""
+    tracking = {"method": method, "shortest_trajectory_frames": shortest_trajectory_frames}
+    parameters = parse_parameters({"tracking": tracking, "flow": flow or {}})
     without_images = TrackedFilm(given.times_s, given, None, None)
-    return track_film(
-        without_images, given.shape, given.experiment, parameters or Parameters(), folder, about, progress
-    )
+    return track_film(without_images, given.shape, given.experiment, parameters, folder, about, progress)
 
 
 def link_scores(given: Film, trajectories: pa.Table) -> tuple[float, float]:
@@ -53,16 +59,15 @@ def long_film() -> Film:
     return film(flow=vortices(8, 250), n_frames=110, n_droplets=40, found_share=0.95, n_false=5, seed=5)
 
 
-def main(folder: Path) -> None:
+def main(folder: Path, method: str) -> None:
     """Track the long film, saying how far it is, for a test that kills this process."""
 
     def say(stage: str, done: int, total: int) -> None:
         sys.stdout.write(f"{done}\n")
         sys.stdout.flush()
 
-    np.seterr(all="raise")
-    tracked(long_film(), folder, progress=say)
+    tracked(long_film(), folder, method, progress=say)
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    main(Path(sys.argv[1]), sys.argv[2])

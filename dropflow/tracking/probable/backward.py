@@ -1,0 +1,99 @@
+"""One step back by probability."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from dropflow.tracking.chain import StepBack
+from dropflow.tracking.checkpoint import Arrays
+from dropflow.tracking.follow import Look, follow
+from dropflow.tracking.front import Front, Links
+from dropflow.tracking.grid import Column, Grid
+from dropflow.tracking.prediction import Motion
+from dropflow.tracking.probable.association import Chances, associate
+from dropflow.tracking.probable.expectation import Expectation, Predicted
+from dropflow.tracking.probable.flow_memory import FlowMemory
+from dropflow.tracking.probable.forward import SIGHTING_EVIDENCE
+from dropflow.tracking.probable.least_squares import Observations
+from dropflow.tracking.probable.memory import Memory
+from dropflow.tracking.probable.observing import observe
+from dropflow.tracking.probable.regression import WaveFlow
+from dropflow.tracking.probable.search import SIMILAR_RATIO, sure_look
+
+_WIDENING = 2.0
+"""Squared errors are larger than thought by about this: a trajectory's own ways are not known at its beginning."""
+_INTERRUPTED_SHARE = 0.3
+"""Of the beginnings in a frame, those that are thought to go on from an end in the frame before."""
+
+
+class ProbableBackward:
+    """Goes back through a film."""
+
+    def __init__(self, grid: Grid, motion: Motion) -> None:
+        self._grid = grid
+        self._motion = motion
+        self._flow = FlowMemory(grid, motion.up)
+
+    def step(self, later: Front, earlier: Front, look: Look | None, dt_s: float) -> StepBack:
+        """Look one frame earlier for the droplets whose trajectories begin in `later`."""
+        links = Links.between(earlier, later)
+        heads = np.setdiff1d(np.arange(len(later)), links.later)
+        tails = np.setdiff1d(np.arange(len(earlier)), links.earlier)
+        before, after = earlier[links.earlier], later[links.later]
+        seen = self._observe(before, after, dt_s)
+        flow = self._flow.flow_with(seen, dt_s)
+        self._flow.learn(seen, flow, dt_s)
+        predicted = self._expected(later[heads], flow, dt_s, self._grid.spacing_px(len(earlier)))
+        ends = earlier.droplets[tails]
+        density = max(len(tails), 1) / (self._grid.height_px * self._grid.width_px)
+        followed = follow(
+            predicted.droplets,
+            associate(predicted, ends, Chances(_INTERRUPTED_SHARE, density)).pairs(),
+            ends,
+            taken=earlier.droplets[links.earlier],
+            look=None if look is None else sure_look(look, predicted),
+            similar_ratio=SIMILAR_RATIO,
+        )
+        merged_tails, merged_heads = tails[followed.paired.second], heads[followed.paired.first]
+        ids = earlier.trajectory_id.copy()
+        ids[merged_tails] = later.trajectory_id[merged_heads]
+        grown = Front.of(later.trajectory_id[heads[followed.searched]], followed.sighted, is_detected=False)
+        grown = replace(grown, evidence=np.full(len(grown), SIGHTING_EVIDENCE))
+        front = Front.concatenate([replace(earlier, trajectory_id=ids), grown]).sorted()
+        predicted_px = self._steps_px(front, flow, dt_s)
+        return StepBack(front, earlier.trajectory_id[merged_tails], later.trajectory_id[merged_heads], predicted_px)
+
+    def _observe(self, before: Front, after: Front, dt_s: float) -> Observations:
+        return observe(
+            self._motion,
+            before.droplets,
+            after.droplets,
+            dt_s,
+            log_r=np.log(after.smooth_r_px),
+            log_r_variance=after.log_r_std**2,
+            weight=(before.is_seen & after.is_seen).astype(np.float64),
+        )
+
+    def _expected(self, begin: Front, flow: WaveFlow | None, dt_s: float, spacing_px: float) -> Predicted:
+        """Where the droplets of trajectories that begin were one frame earlier."""
+        noise = self._flow.noise_um_s
+        memory = Memory.of_new(begin.smooth_r_px, begin.log_r_std * begin.smooth_r_px, noise**2)
+        stokes_error = self._flow.stokes_error
+        expectation = Expectation(self._motion, flow, 0.0, stokes_error, noise, spacing_px, _WIDENING)
+        return expectation.of(begin.droplets, memory, -dt_s)
+
+    def _steps_px(self, front: Front, flow: WaveFlow | None, dt_s: float) -> Column:
+        """How far droplets should move by flow and Stokes."""
+        sinking = self._motion.sinking_px(front.smooth_r_px, dt_s) * (1 + self._flow.stokes_error[0])
+        if flow is None:
+            return sinking
+        px = dt_s / self._motion.pixel_size_um
+        return np.asarray(flow.at(front.droplets.x_px, front.droplets.y_px) * px + sinking)
+
+    def state(self) -> Arrays:
+        """What is known of the flow."""
+        return self._flow.state()
+
+    def restore(self, arrays: Arrays) -> None:
+        """Go on from `arrays`."""
+        self._flow.restore(arrays)

@@ -1,0 +1,54 @@
+"""Tracking by probability, whole."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from dropflow.parameters import TrackingParameters
+from dropflow.tracking.filtering import Trails, reasons
+from dropflow.tracking.grid import Grid
+from dropflow.tracking.prediction import Motion
+from dropflow.tracking.probable.backward import ProbableBackward
+from dropflow.tracking.probable.flows import ProbableFlows
+from dropflow.tracking.probable.forward import ProbableForward
+
+_STATIONARY_FRACTION = 0.5
+_LEAST_EVIDENCE = 5.0
+"""ln odds of a trajectory against chance: of random detections 1 in 20 that link at all make one, and together less
+than 1 in 100."""
+
+
+@dataclass(frozen=True)
+class ProbableChain:
+    """Predictions with their errors, one assignment a frame, the flow by regression."""
+
+    grid: Grid
+    motion: Motion
+    tracking: TrackingParameters
+
+    def forward(self) -> ProbableForward:
+        """A walk that stands before the first frame."""
+        return ProbableForward(self.grid, self.motion)
+
+    def backward(self) -> ProbableBackward:
+        """A walk that stands at the last frame."""
+        return ProbableBackward(self.grid, self.motion)
+
+    def flows(self) -> ProbableFlows:
+        """The flow fields of the steps."""
+        return ProbableFlows(self.grid, self.motion)
+
+    def judge(self, trails: Trails) -> npt.NDArray[np.str_]:
+        """Why each complete trajectory is rejected; empty where it is kept."""
+        return reasons(
+            trails,
+            shortest_frames=self.tracking.shortest_trajectory_frames,
+            stationary_fraction=_STATIONARY_FRACTION,
+            least_evidence=_LEAST_EVIDENCE,
+        )
+
+    def settings(self) -> Any:
+        """All that decides what the chain does."""
+        return ["probable", self.tracking.shortest_trajectory_frames]

@@ -1,0 +1,166 @@
+"""What is known of the flow from the steps so far, in either direction of time."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from dropflow.tracking.checkpoint import Arrays
+from dropflow.tracking.grid import Grid
+from dropflow.tracking.probable.directions import Up
+from dropflow.tracking.probable.least_squares import Model, Observations
+from dropflow.tracking.probable.regression import WaveFlow, nodes_over, regress
+from dropflow.tracking.probable.spectrum import Spectrum
+from dropflow.tracking.probable.spectrum_estimate import estimate_spectrum
+from dropflow.tracking.probable.waves import Waves
+from dropflow.tracking.saving import load_columns, prefixed, save_columns, without_prefix
+
+_MOST_REMEMBERED = 3
+"""Steps whose droplets say something of the next one."""
+_ENOUGH_REMEMBERED = 600
+"""Droplets; steps before those that had so many have little to add."""
+_ESTIMATED_AFTER = (1, 3, 8, 24, 64)
+_ESTIMATED_EVERY = 192
+_POTENTIAL_SOUGHT_UNTIL = 8
+"""Steps; a flow without divergence in these is taken to have none."""
+_ENOUGH_OBSERVATIONS = 600
+"""For the spectrum; more steps than that takes are not looked at."""
+_MOST_OBSERVATIONS = 1000
+"""Of a step, for the spectrum; every second or third droplet is taken where there are more."""
+_LEAST_OBSERVATIONS = 3
+_STOKES_DRIFT_VARIANCE = 1e-5
+"""By which the error of Stokes' factor may change from step to step."""
+_UNKNOWN_STOKES_VARIANCE = 0.3**2
+_FIRST_CHANGE_PER_S = 0.1
+"""Share of its rms by which an unknown flow is thought to change in a second."""
+_KEPT = 0.8
+_MEDIAN_SQUARE = 0.455
+"""Median of the square of a standard normal variable."""
+
+
+class FlowMemory:
+    """The model of the flow, the velocities of the last steps, and the flow they give."""
+
+    def __init__(self, grid: Grid, up: Up) -> None:
+        self._grid = grid
+        self._up = up
+        self.model: Model | None = None
+        self.last: WaveFlow | None = None
+        """The flow of the step before."""
+        self.change_um_s2 = 0.0
+        """How fast the flow at a place changes."""
+        self._steps: list[Observations] = []
+        self._ages_s: list[float] = []
+        self._n_steps = 0
+
+    @property
+    def noise_um_s(self) -> float:
+        """What single droplets do beyond flow and Stokes."""
+        return self.model.spectrum.noise_um_s if self.model else 0.0
+
+    @property
+    def stokes_error(self) -> tuple[float, float]:
+        """Relative error of Stokes' velocity with the material's numbers, and its variance."""
+        if self.model is None:
+            return 0.0, _UNKNOWN_STOKES_VARIANCE
+        return self.model.factor_mean, self.model.factor_variance
+
+    def flow_with(self, seen: Observations, dt_s: float) -> WaveFlow | None:
+        """The flow of the step that follows, `dt_s` long, from what was seen of it and in the steps before."""
+        parts = [self._aged(step, age + dt_s / 2) for step, age in zip(self._steps, self._ages_s, strict=True)]
+        together = Observations.concatenate([*parts, seen])
+        return regress(together, self.model, self._grid) if self.model and len(together) else None
+
+    def learn(self, seen: Observations, flow: WaveFlow | None, dt_s: float) -> None:
+        """Remember a step that is over: what was seen of it and the flow that was found."""
+        self._ages_s = [age + dt_s for age in self._ages_s]
+        if len(seen):
+            self._steps, self._ages_s = [*self._steps, seen], [*self._ages_s, dt_s / 2]
+            n_kept = min(_n_last(self._steps, _ENOUGH_REMEMBERED), _MOST_REMEMBERED)
+            self._steps, self._ages_s = self._steps[-n_kept:], self._ages_s[-n_kept:]
+            self._n_steps += 1
+        if flow is not None:
+            self._note(flow, dt_s)
+        is_time = self._n_steps in _ESTIMATED_AFTER or self._n_steps % _ESTIMATED_EVERY == 0
+        if len(seen) and is_time and sum(map(len, self._steps)) >= _LEAST_OBSERVATIONS:
+            self.estimate(self._steps)
+
+    def estimate(self, steps: list[Observations], *, most_iterations: int = 25) -> None:
+        """Find the model that suits the last of these steps, starting from the present one."""
+        latest = steps[-_n_last(steps, _ENOUGH_OBSERVATIONS) :]
+        thinned = [step[:: 1 + len(step) // _MOST_OBSERVATIONS] for step in latest]
+        may_diverge = self._n_steps <= _POTENTIAL_SOUGHT_UNTIL or self.model is None or self.model.with_potential
+        self.model = estimate_spectrum(
+            thinned, self._grid, self.model, self._up, with_potential=may_diverge, most_iterations=most_iterations
+        )
+        if self.change_um_s2 == 0.0:
+            self.change_um_s2 = _FIRST_CHANGE_PER_S * self.model.spectrum.rms_um_s
+
+    def forget(self) -> None:
+        """Forget the flow, which is not what it was; Stokes' factor stays."""
+        self._steps, self._ages_s, self._n_steps, self.last = [], [], 0, None
+
+    def _note(self, flow: WaveFlow, dt_s: float) -> None:
+        if self.last is not None and self.last.nodes == flow.nodes:
+            difference = (flow.at_nodes - self.last.at_nodes) / dt_s
+            seen = float(np.sqrt(np.median(difference**2) / _MEDIAN_SQUARE))
+            self.change_um_s2 = _KEPT * self.change_um_s2 + (1 - _KEPT) * seen
+        self.last = flow
+        mean, variance = flow.stokes_error
+        if self.model is not None:
+            variance = min(variance + _STOKES_DRIFT_VARIANCE, _UNKNOWN_STOKES_VARIANCE)
+            self.model = replace(self.model, factor_mean=mean, factor_variance=variance)
+
+    def _aged(self, step: Observations, age_s: float) -> Observations:
+        """What was seen some time ago says less of now."""
+        more = (self.change_um_s2 * age_s) ** 2
+        return replace(step, across_variance=step.across_variance + more, along_variance=step.along_variance + more)
+
+    def state(self) -> Arrays:
+        """Everything, as arrays."""
+        arrays: Arrays = {"ages_s": np.array(self._ages_s), "numbers": np.array([self._n_steps, self.change_um_s2])}
+        for index, step in enumerate(self._steps):
+            arrays |= save_columns(f"step{index}", step)
+        if self.model is not None:
+            arrays |= prefixed("model.", _save_model(self.model))
+        if self.last is not None:
+            last = {"amplitudes": self.last.amplitudes, "factor": self.last.factor}
+            arrays |= prefixed("last.", last | prefixed("model.", _save_model(self.last.model)))
+        return arrays
+
+    def restore(self, arrays: Arrays) -> None:
+        """Take up a state."""
+        self._ages_s = arrays["ages_s"].tolist()
+        self._steps = [load_columns(f"step{index}", Observations, arrays) for index in range(len(self._ages_s))]
+        self._n_steps, self.change_um_s2 = int(arrays["numbers"][0]), float(arrays["numbers"][1])
+        model, last = without_prefix("model.", arrays), without_prefix("last.", arrays)
+        self.model = _load_model(model, self._up) if model else None
+        self.last = self._load_flow(last) if last else None
+
+    def _load_flow(self, arrays: Arrays) -> WaveFlow:
+        model = _load_model(without_prefix("model.", arrays), self._up)
+        nodes = nodes_over(self._grid, model.spectrum.length_px)
+        return WaveFlow(model, arrays["amplitudes"], arrays["factor"], nodes)
+
+
+def _n_last(steps: list[Observations], n_enough: int) -> int:
+    """How many of the last steps together have `n_enough` droplets."""
+    counts = np.cumsum([len(step) for step in steps[::-1]])
+    return 1 + int(np.searchsorted(counts, n_enough))
+
+
+def _save_model(model: Model) -> Arrays:
+    return {
+        "spectrum": np.array([getattr(model.spectrum, name) for name in Spectrum.__dataclass_fields__]),
+        "box": np.array([model.waves.width_px, model.waves.height_px]),
+        "waves": np.array([model.waves.n_x, model.waves.n_y]),
+        "factor": np.array([model.factor_mean, model.factor_variance]),
+        "with_potential": np.asarray(model.with_potential),
+    }
+
+
+def _load_model(arrays: Arrays, up: Up) -> Model:
+    width_px, height_px = arrays["box"].tolist()
+    n_x, n_y = arrays["waves"].tolist()
+    mean, variance = arrays["factor"].tolist()
+    spectrum = Spectrum(*arrays["spectrum"].tolist())
+    return Model(Waves(width_px, height_px, n_x, n_y), spectrum, up, bool(arrays["with_potential"]), mean, variance)

@@ -1,0 +1,101 @@
+"""The final flow field of each step, from the droplets of the step and its neighbours."""
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+import numpy as np
+
+from dropflow.tracking.checkpoint import Arrays
+from dropflow.tracking.flow import FlowField, unknown_flow
+from dropflow.tracking.front import Front
+from dropflow.tracking.grid import Grid
+from dropflow.tracking.prediction import Motion
+from dropflow.tracking.probable.flow_memory import FlowMemory
+from dropflow.tracking.probable.least_squares import Observations
+from dropflow.tracking.probable.observing import observe
+from dropflow.tracking.probable.regression import WaveFlow, regress
+from dropflow.tracking.saving import load_columns, prefixed, save_columns, without_prefix
+
+_LAG = 1
+"""Steps before and after that take part: changes of the flow that are even in time cancel."""
+
+
+class ProbableFlows:
+    """Regression over a few steps around each."""
+
+    def __init__(self, grid: Grid, motion: Motion) -> None:
+        self._grid = grid
+        self._motion = motion
+        self._flow = FlowMemory(grid, motion.up)
+        self._window: list[Observations] = []
+        self._n_after = 0
+        """Steps of the window whose field is still to come."""
+
+    def add(self, before: Front, after: Front, dt_s: float) -> Iterable[FlowField]:
+        """Take a step; give the field of the one `_LAG` steps before."""
+        weight = (before.is_seen & after.is_seen).astype(np.float64)
+        seen = observe(
+            self._motion,
+            before.droplets,
+            after.droplets,
+            dt_s,
+            log_r=np.log(after.smooth_r_px),
+            log_r_variance=after.log_r_std**2,
+            weight=weight,
+        )
+        self._flow.learn(seen, None, dt_s)
+        self._window.append(seen)
+        self._n_after += 1
+        return [self._next()] if self._n_after > _LAG else []
+
+    def finish(self) -> Iterable[FlowField]:
+        """The fields of the last steps."""
+        return [self._next() for _ in range(self._n_after)]
+
+    def _next(self) -> FlowField:
+        centre = len(self._window) - self._n_after
+        around = self._window[max(centre - _LAG, 0) : centre + _LAG + 1]
+        field = self._field(self._window[centre], Observations.concatenate(around))
+        self._n_after -= 1
+        self._window = self._window[max(centre + 1 - _LAG, 0) :]
+        return field
+
+    def _field(self, here: Observations, around: Observations) -> FlowField:
+        if self._flow.model is None and len(around):
+            self._flow.estimate([around])
+        if self._flow.model is None or not len(around):
+            return unknown_flow(self._grid)
+        flow = regress(around, self._flow.model, self._grid)
+        mean, variance = flow.stokes_error
+        self._flow.model = replace(self._flow.model, factor_mean=mean, factor_variance=max(variance, 1e-5))
+        return on_grid(flow, here, self._grid)
+
+    def state(self) -> Arrays:
+        """The window and what is known of the flow."""
+        arrays = prefixed("flow.", self._flow.state())
+        for index, step in enumerate(self._window):
+            arrays |= save_columns(f"window{index}", step)
+        return arrays | {"window": np.array([len(self._window), self._n_after])}
+
+    def restore(self, arrays: Arrays) -> None:
+        """Go on from `arrays`."""
+        self._flow.restore(without_prefix("flow.", arrays))
+        n_window, self._n_after = arrays["window"].tolist()
+        self._window = [load_columns(f"window{index}", Observations, arrays) for index in range(n_window)]
+
+
+def on_grid(flow: WaveFlow, here: Observations, grid: Grid) -> FlowField:
+    """The flow at the centres of cells; a cell is interpolated where neither it nor one beside it has a droplet."""
+    x_px, y_px = (places.ravel() for places in np.meshgrid(grid.x_px, grid.y_px))
+    shape = (grid.n_rows, grid.n_columns)
+    across, along = flow.variance_at(x_px, y_px)
+    side, up = flow.model.up[1] ** 2, flow.model.up[0] ** 2
+    std = np.sqrt(np.stack([side * across + up * along, up * across + side * along])).reshape(2, *shape)
+    count = np.bincount(grid.cell_of(here.x_px, here.y_px), minlength=x_px.size).reshape(shape)
+    near = count > 0
+    beside = near.copy()
+    beside[1:] |= near[:-1]
+    beside[:-1] |= near[1:]
+    beside[:, 1:] |= near[:, :-1]
+    beside[:, :-1] |= near[:, 1:]
+    return FlowField(grid, flow.at(x_px, y_px).reshape(2, *shape), std, count.astype(np.int64), ~beside)

@@ -1,0 +1,138 @@
+"""Forward tracking by probability (section 3.3.1, with errors)."""
+
+from dataclasses import fields, replace
+
+import numpy as np
+
+from dropflow.droplets import Droplets
+from dropflow.tracking.checkpoint import Arrays
+from dropflow.tracking.follow import Followed, Look, follow
+from dropflow.tracking.front import Front
+from dropflow.tracking.grid import Column, Grid
+from dropflow.tracking.prediction import Motion
+from dropflow.tracking.probable.flow_memory import FlowMemory
+from dropflow.tracking.probable.forward_step import ForwardStep, Outcome
+from dropflow.tracking.probable.memory import Memory
+from dropflow.tracking.probable.observing import deviations, observe
+from dropflow.tracking.probable.regression import WaveFlow
+from dropflow.tracking.probable.scales import Scales
+from dropflow.tracking.probable.search import SIMILAR_RATIO, sure_look
+from dropflow.tracking.saving import load_columns, load_front, prefixed, save_columns, save_front, without_prefix
+
+_SURE = 0.9
+_MOST_EVIDENCE = 6.0
+"""ln odds that a single pair adds at most."""
+SIGHTING_EVIDENCE = 1.0
+"""Of a droplet that only the image shows where it is looked for: something is often there."""
+_MOST_UNDETECTED = 6
+"""Frames in a row that a droplet may be seen only where it is looked for."""
+
+
+class ProbableForward:
+    """Goes forward through a film."""
+
+    def __init__(self, grid: Grid, motion: Motion) -> None:
+        self._grid = grid
+        self._motion = motion
+        self._front = Front.empty()
+        self._memory = Memory.of_new(np.empty(0), np.empty(0), 0.0)
+        self._flow = FlowMemory(grid, motion.up)
+        self._scales = Scales()
+        self._next_id = 0
+
+    def step(self, detected: Droplets, look: Look | None, dt_s: float) -> Front:
+        """Go on to the frame with these detections."""
+        memory = self._memory.aged(dt_s, self._flow.noise_um_s**2)
+        outcome = ForwardStep(
+            self._front.droplets, memory, detected, self._grid, self._motion, self._flow, self._scales, dt_s
+        ).solve()
+        predicted = outcome.predicted.droplets
+        followed = follow(
+            predicted,
+            outcome.association.pairs(),
+            detected,
+            taken=Droplets.empty(),
+            look=None if look is None else sure_look(look, outcome.predicted),
+            similar_ratio=SIMILAR_RATIO,
+        )
+        self._note(outcome, len(detected))
+        self._flow.learn(outcome.seen, outcome.flow, dt_s)
+        self._continue(memory, detected, followed, outcome, dt_s)
+        return self._front
+
+    def _note(self, outcome: Outcome, n_detected: int) -> None:
+        predicted, association = outcome.predicted.droplets, outcome.association
+        self._scales = self._scales.after(
+            n_expected=int(self._grid.contains(predicted.x_px, predicted.y_px).sum()),
+            n_paired=int(association.is_taken().sum()),
+            n_found=n_detected,
+            squared_distance=association.squared_distance[association.probability > _SURE],
+        )
+
+    def _continue(self, memory: Memory, detected: Droplets, followed: Followed, outcome: Outcome, dt_s: float) -> None:
+        """Put together the droplets that were found again and the new ones."""
+        paired, searched = followed.paired, followed.searched
+        goes_on = np.concatenate([paired.first, searched])
+        there = Droplets.concatenate([detected[paired.second], followed.sighted])
+        old = memory[goes_on].measured(there.r_px, there.r_std_px)
+        if outcome.flow is not None:
+            old = self._with_own_ways(old, self._front.droplets[goes_on], there, outcome.flow, dt_s)
+        probability = outcome.association.of(paired, outcome.association.probability, 0.5)
+        evidence = np.append(log_odds(probability), np.full(len(searched), SIGHTING_EVIDENCE))
+        n_unseen = np.append(np.zeros(len(paired), np.int64), memory.n_unseen[searched] + 1)
+        old = replace(old, n_unseen=n_unseen)
+        new = detected[np.setdiff1d(np.arange(len(detected)), paired.second)]
+        born = Memory.of_new(new.r_px, new.r_std_px, self._flow.noise_um_s**2)
+        together = Memory.concatenate([old, born])
+        front = Front(
+            np.append(self._front.trajectory_id[goes_on], self._next_id + np.arange(len(new))),
+            Droplets.concatenate([there, new]),
+            together.n_unseen == 0,
+            np.ones(len(together.log_r), bool),
+            np.exp(together.log_r),
+            np.sqrt(together.log_r_variance),
+            np.append(evidence, np.zeros(len(new))),
+        )
+        order = np.argsort(front.trajectory_id, kind="stable")
+        order = order[together.n_unseen[order] <= _MOST_UNDETECTED]
+        self._front, self._memory = front[order], together[order]
+        self._next_id += len(new)
+
+    def _with_own_ways(self, memory: Memory, before: Droplets, after: Droplets, flow: WaveFlow, dt_s: float) -> Memory:
+        """Learn what each droplet does beyond flow and Stokes."""
+        seen = observe(
+            self._motion,
+            before,
+            after,
+            dt_s,
+            log_r=memory.log_r,
+            log_r_variance=memory.log_r_variance,
+            weight=np.ones(len(before)),
+        )
+        across, along = deviations(seen, flow)
+        variance = (seen.across_variance + seen.along_variance) / 2 + self._flow.noise_um_s**2 / 3
+        return memory.moved(across, along, variance)
+
+    def state(self) -> Arrays:
+        """Everything, as arrays."""
+        return {
+            **save_front("front", self._front),
+            **save_columns("memory", self._memory),
+            **prefixed("flow.", self._flow.state()),
+            "scales": np.array([getattr(self._scales, field.name) for field in fields(Scales)]),
+            "next_id": np.asarray(self._next_id),
+        }
+
+    def restore(self, arrays: Arrays) -> None:
+        """Go on from `arrays`."""
+        self._front = load_front("front", arrays)
+        self._memory = load_columns("memory", Memory, arrays)
+        self._flow.restore(without_prefix("flow.", arrays))
+        self._scales = Scales(*arrays["scales"].tolist())
+        self._next_id = int(arrays["next_id"])
+
+
+def log_odds(probability: Column) -> Column:
+    """ln(p / (1 - p)), as far as a single pair may convince."""
+    odds = np.log(probability) - np.log(np.maximum(1 - probability, 1e-12))
+    return np.asarray(np.minimum(odds, _MOST_EVIDENCE))
