@@ -21,7 +21,7 @@ class DropletTone(StrEnum):
 
 
 class Phase(StrEnum):
-    """The phase that was filmed. In the paper's, bright droplets rise in the bottom one and dark ones sink in the top one."""
+    """Which phase was filmed. In the paper, bright droplets rise in the bottom one, dark ones sink in the top one."""
 
     BOTTOM = "bottom"
     TOP = "top"

@@ -11,7 +11,7 @@ viscosities = st.floats(1e-4, 1.0)
 
 
 def test_the_papers_own_response_time_gives_its_speed_of_big_droplets() -> None:
-    """tau = 2 drho r^2 / (9 eta) = 36 us at r = 40 um (section 4.2) times g is 353 um/s."""
+    """The response time tau = 2 drho r^2 / (9 eta) = 36 us at r = 40 um (section 4.2) times g is 353 um/s."""
     density_over_viscosity = 36e-6 * 9 / (2 * 40e-6**2)
     speed = sedimentation_um_s(40.0, delta_density_kg_m3=-density_over_viscosity * 1e-3, viscosity_pa_s=1e-3)
     assert speed == pytest.approx(353, abs=0.5)
