@@ -36,7 +36,7 @@ run: python page ## start Dropflow here: PORT=8000 DATA=data
 
 # The limit ends a run whose process does not end, as a thread left behind by a failing test can make it.
 test: setup test-page ## the quick tests (under 15 minutes on 2 cores)
-	timeout -k 30 1800 $(PYTEST) -m "not slow"
+	timeout -k 30 1800 env $(PYTEST) -m "not slow"
 
 test-full: setup test-page ## all tests
 	$(PYTEST)
