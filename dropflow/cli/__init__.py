@@ -10,7 +10,7 @@ from typer.core import TyperGroup
 from dropflow.errors import DropflowError
 from dropflow.provenance import code_version
 
-COMMANDS = ("analyse", "detect", "simulate", "score", "material", "ramp")
+COMMANDS = ("analyse", "detect", "simulate", "score", "material", "ramp", "report", "export")
 """Each is a function of this name in the module of this name, in the order of the help."""
 
 

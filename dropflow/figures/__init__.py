@@ -1,9 +1,39 @@
 """One Plotly figure per figure of the paper, named after what it shows and fit to print."""
 
+from dropflow.figures.coalescence import coalescence
+from dropflow.figures.flow_correlation import flow_correlation
 from dropflow.figures.flow_field import flow_field
 from dropflow.figures.flow_moments import flow_moments
 from dropflow.figures.layout import caption_of
+from dropflow.figures.materials import phase_diagram, temperature_ramp, viscosity
 from dropflow.figures.moments import moments
+from dropflow.figures.oscillations import oscillating_signal, periods, periods_against_driving
+from dropflow.figures.sedimentation import (
+    growth,
+    observed_depth,
+    radius_scatter,
+    trajectory_lengths,
+    velocity_against_radius,
+)
 from dropflow.figures.size_distribution import size_distribution
 
-__all__ = ["caption_of", "flow_field", "flow_moments", "moments", "size_distribution"]
+__all__ = [
+    "caption_of",
+    "coalescence",
+    "flow_correlation",
+    "flow_field",
+    "flow_moments",
+    "growth",
+    "moments",
+    "observed_depth",
+    "oscillating_signal",
+    "periods",
+    "periods_against_driving",
+    "phase_diagram",
+    "radius_scatter",
+    "size_distribution",
+    "temperature_ramp",
+    "trajectory_lengths",
+    "velocity_against_radius",
+    "viscosity",
+]

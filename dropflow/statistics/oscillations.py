@@ -84,7 +84,7 @@ def signal_over_time(histograms: FrameHistograms, signal: Signal) -> Floats:
     return by_name[signal]
 
 
-def find_oscillations(histograms: FrameHistograms, *, signal: Signal = Signal.SAUTER_RADIUS) -> Oscillations:
+def find_oscillations(histograms: FrameHistograms, *, signal: Signal = Signal.N_DROPLETS) -> Oscillations:
     """Find the peaks of a signal of the size distribution.
 
     The signal is freed of its slow trend (a Gaussian as wide as the strongest period), smoothed over a tenth of that

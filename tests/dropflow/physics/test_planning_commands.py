@@ -1,31 +1,48 @@
 import csv
 import json
-import subprocess
 import sys
+from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
 
+from dropflow.cli import main
+
 NAME = "water-isobutoxyethanol-illustrative"
 
 
-def dropflow(*words: str) -> subprocess.CompletedProcess[str]:
-    code = "import sys; from dropflow.cli import main; main()"
-    return subprocess.run([sys.executable, "-c", code, *words], capture_output=True, text=True, timeout=120)
+@dataclass
+class Done:
+    code: int
+    out: str
+    err: str
 
 
-def test_material_prints_every_property_as_json() -> None:
+@pytest.fixture
+def dropflow(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Callable[..., Done]:
+    def run(*words: str) -> Done:
+        monkeypatch.setattr(sys, "argv", ["dropflow", *words])
+        with pytest.raises(SystemExit) as ended:
+            main()
+        said = capsys.readouterr()
+        return Done(int(ended.value.code or 0), said.out, said.err)
+
+    return run
+
+
+def test_material_prints_every_property_as_json(dropflow: Callable[..., Done]) -> None:
     done = dropflow("material", NAME, "--temperature-c", "40", "--composition", "0.25", "--json")
-    assert done.returncode == 0, done.stderr
-    report = json.loads(done.stdout)
+    assert done.code == 0, done.err
+    report = json.loads(done.out)
     assert report["name"] == NAME
     assert report["properties"]["viscosity"]["unit"] == "Pa s"
 
 
-def test_ramp_writes_a_row_a_second(tmp_path: Path) -> None:
+def test_ramp_writes_a_row_a_second(tmp_path: Path, dropflow: Callable[..., Done]) -> None:
     output = tmp_path / "ramp.csv"
     done = dropflow("ramp", "--material", NAME, "--xi", "1e-3", "--output", str(output))
-    assert done.returncode == 0, done.stderr
+    assert done.code == 0, done.err
     with output.open() as file:
         rows = list(csv.DictReader(file))
     assert float(rows[0]["temperature_c"]) == 25.8
@@ -43,8 +60,8 @@ def test_ramp_writes_a_row_a_second(tmp_path: Path) -> None:
         ("ramp", "--material", "air-in-water-25c", "--xi", "1e-5", "--output", "never.csv"),
     ],
 )
-def test_what_cannot_be_is_one_line_and_exit_code_2(words: tuple[str, ...]) -> None:
+def test_what_cannot_be_is_one_line_and_exit_code_2(words: tuple[str, ...], dropflow: Callable[..., Done]) -> None:
     done = dropflow(*words)
-    assert done.returncode == 2
-    assert len(done.stderr.strip().splitlines()) == 1
+    assert done.code == 2
+    assert len(done.err.strip().splitlines()) == 1
     assert not Path("never.csv").exists()

@@ -1,0 +1,30 @@
+"""`dropflow report`: all figures and numbers of an analysis on one page."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from dropflow.physics.temperature_log import read_temperature_log
+from dropflow.report.page import write_report
+from dropflow.results import open_results
+from dropflow.statistics.oscillations import Signal
+
+
+def report(
+    results: Annotated[Path, typer.Argument(metavar="RESULTS", help="Folder of an analysis.", show_default=False)],
+    output: Annotated[Path, typer.Option("--output", "-o", help="HTML file to write.")] = Path("report.html"),
+    signal: Annotated[Signal, typer.Option("--signal", help="What to look for oscillations in.")] = Signal.N_DROPLETS,
+    temperature_log: Annotated[
+        Path | None, typer.Option("--temperature-log", help="CSV with time_s and temperature_c.")
+    ] = None,
+) -> None:
+    """Write one self-contained page with all figures, numbers, parameters, warnings and a methods paragraph.
+
+    Example: `dropflow report results/ -o report.html`
+    """
+    temperature = None if temperature_log is None else read_temperature_log(temperature_log)
+    warnings = write_report(open_results(results), output, signal=signal, temperature=temperature)
+    for text in warnings:
+        typer.echo(f"warning: {text}", err=True)
+    typer.echo(f"The report is in {output}")

@@ -1,0 +1,1 @@
+"""All figures and numbers of an analysis on one self-contained page."""

@@ -1,0 +1,101 @@
+"""What a report says in words: warnings, methods, and the numbers at a glance."""
+
+from typing import Any
+
+import numpy as np
+
+from dropflow.physics.material_files import find_material
+from dropflow.report.findings import Findings
+from dropflow.results import Results
+
+_FEW_TRAJECTORIES = 100
+_MUCH_PREDICTED = 0.3
+
+
+def warnings_of(results: Results, found: Findings) -> list[str]:
+    """What a reader must know before trusting the figures, in plain words."""
+    said = []
+    calibration = found.calibration.warning(found.expected_calibration_s_m2)
+    if calibration:
+        said.append(calibration)
+    name = results.experiment.material
+    if isinstance(name, str) and find_material(name).is_illustrative:
+        said.append(f"The material {name} is illustrative: its binodal and densities are not measured.")
+    if len(found.trajectories) < _FEW_TRAJECTORIES:
+        said.append(f"There are only {len(found.trajectories)} trajectories: all statistics are uncertain.")
+    predicted = results.summary.get("tracked", {}).get("found_by_prediction_share")
+    if predicted is not None and predicted > _MUCH_PREDICTED:
+        said.append(f"{100 * predicted:.0f} % of the droplets were found by prediction only: look at detection.")
+    n_uncertain = int((~found.oscillations.is_certain).sum())
+    if n_uncertain:
+        said.append(f"{n_uncertain} of {len(found.oscillations.peak_s)} oscillations are uncertain.")
+    if found.depth_um is None:
+        said.append("The observed depth is unknown: densities are per area.")
+    elif results.experiment.observation_depth_um is None:
+        said.append("The observed depth is an estimate from trajectories: give observation_depth_um if you know it.")
+    return said
+
+
+def methods_of(results: Results, found: Findings) -> str:
+    """A paragraph for the methods section of a paper."""
+    experiment, parameters = results.experiment, results.parameters
+    detection = parameters.detection
+    return (
+        f"{results.n_frames} frames of {results.field_um[0]:.0f} × {results.field_um[1]:.0f} µm² "
+        f"({experiment.pixel_size_um:g} µm per pixel) over {float(results.summary['duration_s']):.0f} s were analysed "
+        f"with Dropflow {results.provenance['dropflow_version']} (detection: {detection.method}, tracking: "
+        f"{parameters.tracking.method}) after Lapp, Rohloff, Vollmer and Hof, Particle tracking for polydisperse "
+        f"sedimenting droplets in phase separation, Exp. Fluids. Droplets with radii from {detection.radius_min_um:g} "
+        f"to {detection.radius_max_um:g} µm were detected. Their velocities were split into the Stokes velocity "
+        f"(density difference {found.material.delta_density_kg_m3:g} kg/m³, viscosity "
+        f"{found.material.viscosity_pa_s:.3g} Pa s) and the flow, which was computed on {parameters.flow.n_columns} × "
+        f"{parameters.flow.n_rows} cells. {len(found.trajectories)} trajectories passed the consistency check."
+    )
+
+
+def numbers_of(results: Results, found: Findings) -> dict[str, str]:
+    """The numbers at a glance, with units."""
+    tracked = results.summary["tracked"]
+    calibration, law = found.calibration, found.oscillations.period_s
+    rejected = results.summary.get("n_rejected_trajectories", {})
+    return {
+        "frames": str(results.n_frames),
+        "duration": f"{float(results.summary['duration_s']):.1f} s",
+        "droplets detected": str(results.summary["detected"]["n_droplets"]),
+        "droplets in trajectories": str(tracked["n_droplets"]),
+        "trajectories": str(len(found.trajectories)),
+        "rejected trajectories": ", ".join(f"{count} {reason}" for reason, count in rejected.items()) or "none",
+        "mean radius": _with_unit(tracked["mean_radius_um"], "µm"),
+        "Sauter radius": _with_unit(tracked["sauter_radius_um"], "µm"),
+        "relative scatter of radii": _with_unit(100 * found.scatter.relative, "%"),
+        "Δρ/η from velocities": _with_error(calibration.density_over_viscosity_s_m2, calibration.std_s_m2, "s/m²"),
+        "Δρ/η of the material": _with_unit(found.expected_calibration_s_m2, "s/m²"),
+        "correlation length of the flow": _with_error(
+            found.correlation.length_um, found.correlation.length_std_um, "µm"
+        ),
+        "correlation time of the flow": _with_error(found.correlation.time_s, found.correlation.time_std_s, "s"),
+        "coalescences": str(len(found.events)),
+        "oscillations": str(len(found.oscillations.peak_s)),
+        "mean period": _with_unit(float(law.mean()) if len(law) else None, "s"),
+        "depth over radius": _with_error(found.depth.per_radius, found.depth.per_radius_std, ""),
+    }
+
+
+def _with_unit(value: float | None, unit: str) -> str:
+    return f"{value:.4g} {unit}" if value is not None and np.isfinite(value) else "not known"
+
+
+def _with_error(value: float, std: float, unit: str) -> str:
+    if not np.isfinite(value):
+        return "not known"
+    return f"{value:.4g} ± {std:.2g} {unit}".strip() if np.isfinite(std) else f"{value:.4g} {unit}".strip()
+
+
+def parameters_of(results: Results) -> dict[str, Any]:
+    """Experiment and parameters as one document."""
+    return {
+        "experiment": results.experiment.model_dump(mode="json", exclude_none=True),
+        "parameters": results.parameters.model_dump(mode="json"),
+        "input_sha256": results.provenance["input_sha256"],
+        "dropflow_version": results.provenance["dropflow_version"],
+    }
