@@ -1,19 +1,19 @@
-"""Stage ingest: what a stack consists of, when each frame was taken, and checksums of all of it."""
+"""Stage ingest: what a stack consists of, when each frame was taken, what is odd about it, and checksums of all."""
 
-import csv
 import hashlib
-import io
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import BinaryIO
 
 import numpy as np
-import numpy.typing as npt
 
 from dropflow.documents import StrictModel
-from dropflow.errors import ExperimentError, FieldProblem
+from dropflow.errors import FramesError
 from dropflow.experiment import Experiment
-from dropflow.frames import Choice, Files, Frames, open_frames, stack_files
+from dropflow.frame_times import differing_times, frame_times_s
+from dropflow.frames import Choice, Files, Finding, Frame, Frames, open_frames, stack_files
+from dropflow.frames.findings import finding
+from dropflow.frames.numbering import Gap, Numbering, numbering
 from dropflow.progress import Progress, silent
 
 _BLOCK_BYTES = 1 << 20
@@ -27,6 +27,14 @@ class StackFile(StrictModel):
     sha256: str
 
 
+class FrameCheck(StrictModel):
+    """What reading every frame once has shown."""
+
+    warnings: tuple[Finding, ...] = ()
+    broken_frames: tuple[int, ...] = ()
+    """Frames that cannot be read."""
+
+
 class StackIndex(StrictModel):
     """All that later stages need to know of a stack without opening it."""
 
@@ -36,6 +44,12 @@ class StackIndex(StrictModel):
     dtype: str
     times_s: tuple[float, ...]
     """Time of each frame, seconds, strictly increasing."""
+    gaps: tuple[Gap, ...] = ()
+    """Frames whose numbers are missing between the files' names."""
+    warnings: tuple[Finding, ...] = ()
+    """What is odd but no error."""
+    broken_frames: tuple[int, ...] = ()
+    """Frames that cannot be read, if the check was told to let some pass."""
     files: tuple[StackFile, ...]
     """In the order of the frames."""
     attachments: tuple[StackFile, ...] = ()
@@ -48,6 +62,19 @@ class StackIndex(StrictModel):
         """Rows and columns of a frame."""
         return (self.n_rows, self.n_columns)
 
+    def checked(self, check: FrameCheck) -> "StackIndex":
+        """The same with what reading every frame has shown."""
+        return self.model_copy(
+            update={"warnings": self.warnings + check.warnings, "broken_frames": check.broken_frames}
+        )
+
+    def timed(self, experiment: Experiment) -> "StackIndex":
+        """The same with the times of an experiment whose frame interval was corrected; others stay as they were."""
+        if experiment.frame_interval_s is None:
+            return self
+        times_s = frame_times_s(experiment, self.n_frames, gaps=self.gaps)
+        return self.model_copy(update={"times_s": tuple(times_s.tolist())})
+
 
 def index_stack(
     source: Path | Files,
@@ -57,7 +84,7 @@ def index_stack(
     checksums: Mapping[str, str] | None = None,
     progress: Progress = silent,
 ) -> StackIndex:
-    """Index a stack: order, number and size of its frames, their times, and a checksum of every file.
+    """Index a stack: order, number and size of its frames, their times and gaps, and a checksum of every file.
 
     Parameters
     ----------
@@ -74,7 +101,13 @@ def index_stack(
     files, names = stack_files(source)
     with open_frames(source, Choice.of(experiment)) as frames:
         n_frames, (n_rows, n_columns), dtype = len(frames), frames.shape, str(frames.dtype)
-    times_s = frame_times_s(experiment, n_frames, timestamps=attached.get("timestamps"))
+        of_file, noticed = frames.times_s(), frames.findings()
+        numbered = _numbered(frames.file_names(), n_frames, experiment)
+    times_s = frame_times_s(
+        experiment, n_frames, gaps=numbered.gaps, timestamps=attached.get("timestamps"), of_file=of_file
+    )
+    if experiment.frame_interval_s is not None:
+        noticed += differing_times(experiment.frame_interval_s, numbered.gaps, of_file)
     found = []
     for n_done, name in enumerate(names, start=1):
         with files.open(name) as file:
@@ -87,62 +120,88 @@ def index_stack(
         n_columns=n_columns,
         dtype=dtype,
         times_s=tuple(times_s.tolist()),
+        gaps=numbered.gaps,
+        warnings=(*numbered.findings, *noticed),
         files=tuple(found),
         attachments=tuple(beside),
         sha256=_sha256_of_all([*found, *beside]),
     )
 
 
-def check_frames(frames: Frames, progress: Progress = silent) -> None:
+def check_frames(frames: Frames, progress: Progress = silent, *, max_share_broken: float = 0.0) -> FrameCheck:
     """Decode every frame once, so that a broken one is known before hours of work begin.
+
+    Parameters
+    ----------
+    max_share_broken
+        Share of the frames that may be broken; more are an error.
 
     Raises
     ------
     FramesError
-        Names the file and the frame.
+        Names the file and the number of the first broken frame, and says how many there are.
     """
+    broken: list[tuple[int, FramesError]] = []
+    identical, of_other_depth = [], []
+    before: Frame | None = None
     for index in range(len(frames)):
-        frames.read(index)
+        try:
+            frame = frames.read(index)
+        except FramesError as problem:
+            broken.append((index, problem))
+        else:
+            if before is not None and np.array_equal(before, frame):
+                identical.append(index)
+            if frame.dtype != frames.dtype:
+                of_other_depth.append(index)
+            before = frame
         progress("ingest", index + 1, len(frames))
+    if len(broken) > max_share_broken * len(frames):
+        raise _first_of(broken, len(frames))
+    warnings = [
+        _noticed(
+            "stack.frames_broken", "{n} frames cannot be read and are left out.", [at for at, _ in broken], frames
+        ),
+        _noticed(
+            "stack.frames_identical",
+            "{n} frames are the same as the one before, pixel by pixel: the camera may have sent them twice.",
+            identical,
+            frames,
+        ),
+        _noticed("stack.depth_differs", "{n} frames have another depth than the first.", of_other_depth, frames),
+    ]
+    return FrameCheck(
+        warnings=tuple(warning for warning in warnings if warning.n), broken_frames=tuple(at for at, _ in broken)
+    )
 
 
-def frame_times_s(
-    experiment: Experiment, n_frames: int, *, timestamps: BinaryIO | None = None
-) -> npt.NDArray[np.float64]:
-    """Time of each frame in seconds, shape (n_frames,), strictly increasing: from the interval or from the CSV file."""
-    if experiment.frame_interval_s is not None:
-        return np.arange(n_frames, dtype=np.float64) * experiment.frame_interval_s
-    name = str(experiment.timestamps)
-    if timestamps is None:
-        raise _timestamps_error(f"the file {name} is missing")
-    timestamps.seek(0)
-    times_s = _read_times_s(timestamps, name)
-    if len(times_s) != n_frames:
-        raise _timestamps_error(f"{name} holds {len(times_s)} times for {n_frames} frames")
-    backwards = np.flatnonzero(~(np.diff(times_s) > 0))
-    if backwards.size:
-        raise _timestamps_error(f"time does not increase from frame {backwards[0]} to {backwards[0] + 1} in {name}")
-    return times_s
+def _noticed(code: str, message: str, which: Sequence[int], frames: Frames) -> Finding:
+    examples = (f"frame {index}: {frames.label(index)}" for index in which)
+    return finding(code, message.format(n=len(which)), examples, n=len(which))
 
 
-def _read_times_s(file: BinaryIO, name: str) -> npt.NDArray[np.float64]:
-    try:
-        text = io.StringIO(file.read().decode("utf-8-sig"), newline="")
-        rows = csv.DictReader(text)
-        if "time_s" not in (rows.fieldnames or ()):
-            raise _timestamps_error(f"{name} has no column time_s")
-        times = [float(row["time_s"]) for row in rows]
-    except (UnicodeDecodeError, csv.Error, TypeError, ValueError) as problem:
-        if isinstance(problem, ExperimentError):
-            raise
-        raise _timestamps_error(f"{name} is not a CSV file with a number time_s in each row ({problem})") from None
-    if not np.isfinite(times).all():
-        raise _timestamps_error(f"{name} holds a time that is not a finite number")
-    return np.array(times, np.float64)
+def _first_of(broken: Sequence[tuple[int, FramesError]], n_frames: int) -> FramesError:
+    first = broken[0][1]
+    if len(broken) == 1:
+        return first
+    others = ", ".join([*(str(index) for index, _ in broken[1:6]), *(["..."] if len(broken) > 6 else [])])
+    message = f"{first.message} {len(broken)} of {n_frames} frames are broken (also {others})."
+    return FramesError(message, code=first.code, file=first.file, frame=first.frame, hint=first.hint)
 
 
-def _timestamps_error(message: str) -> ExperimentError:
-    return ExperimentError("Please correct:", fields=[FieldProblem("timestamps", message)])
+def _numbered(names: Sequence[str], n_frames: int, experiment: Experiment) -> Numbering:
+    """Gaps between the names of files of one frame each. Between parts of a film they have no known length."""
+    if len(names) == n_frames:
+        return numbering(names)
+    missing = numbering(names).gaps
+    if missing and experiment.frame_interval_s is not None:
+        raise FramesError(
+            "A part of the film is missing before this file, and how long it was is not known.",
+            code="frames.part_missing",
+            file=names[missing[0].before_frame],
+            hint="Give all parts, or timestamps; rename the files if nothing is missing.",
+        )
+    return Numbering()
 
 
 def _describe(name: str, file: BinaryIO, known_sha256: str | None = None) -> StackFile:

@@ -6,7 +6,6 @@ from backend.platform.object_store import product_prefix
 from backend.platform.store_files import StoreFiles
 from dropflow import pipeline
 from dropflow.frames import Frame, open_frames
-from dropflow.ingest import StackIndex, frame_times_s
 from dropflow.preprocess import StackEstimate
 from worker.context import Context
 from worker.fan_in import NewShard
@@ -21,7 +20,7 @@ def work(context: Context, lease: Lease) -> None:
     """Store index and estimate of the film, and put its detection on the list."""
     claim = lease.claim
     film, uploaded = load_film(context, claim)
-    index = _with_times(film, uploaded)
+    index = uploaded.timed(film.experiment)  # the interval may have been corrected since the upload
     measured = _measure(context, film)
     lease.renew()
     prefix = product_prefix(claim.experiment_id, claim.shard_id, claim.fence)
@@ -32,14 +31,6 @@ def work(context: Context, lease: Lease) -> None:
         for frames in detect_ranges(index.n_frames, index.shape)
     ]
     publish(context, claim, NewProduct(prefix), shards)
-
-
-def _with_times(film: Film, index: StackIndex) -> StackIndex:
-    """The interval between frames may have been corrected since the upload."""
-    if film.experiment.frame_interval_s is None:
-        return index
-    times_s = frame_times_s(film.experiment, index.n_frames)
-    return index.model_copy(update={"times_s": tuple(times_s.tolist())})
 
 
 def _measure(context: Context, film: Film) -> StackEstimate:

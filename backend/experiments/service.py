@@ -85,8 +85,9 @@ def change(session: Session, viewer: Viewer, experiment_id: UUID, document: dict
         changed = {field for field in new if new[field] != experiment.document.get(field)}
         if changed - _SAYS_HOW_TO_UNDERSTAND:
             raise DescribesFiles(sorted(changed - _SAYS_HOW_TO_UNDERSTAND))
-        if parsed.frame_interval_s is not None and experiment.stack.n_frames is not None:
-            experiment.stack.duration_s = (experiment.stack.n_frames - 1) * parsed.frame_interval_s
+        before_s = experiment.document.get("frame_interval_s")
+        if parsed.frame_interval_s is not None and before_s and experiment.stack.duration_s is not None:
+            experiment.stack.duration_s *= parsed.frame_interval_s / before_s  # with the gaps that are in it
     experiment.document = new
     announce(session, experiment_topic(experiment.id))
     session.flush()

@@ -1,16 +1,18 @@
 """Arrays of numbers as stacks: which axis counts the frames, and what is refused before anything is read."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import prod
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from dropflow.errors import FramesError
-from dropflow.frames.contract import check_count, check_size
+from dropflow.frames.contract import Frame, check_count, check_size
 
 _MAX_BLOCK_BYTES = 2**30
+_MAX_SLAB_BYTES = 2**28
 _COLOURS = {3, 4}
 
 
@@ -59,3 +61,22 @@ def check_block(block: Sequence[int], dtype: np.dtype[Any], label: str) -> None:
             file=label,
             hint="Store it again in blocks (chunks) of one frame or a few.",
         )
+
+
+class Slabs:
+    """Frames that are stored in blocks of several: the block that was unpacked last is kept for those that follow."""
+
+    def __init__(
+        self, read: Callable[[int, int], npt.NDArray[Any]], *, n_in_block: int, n_frames: int, frame_bytes: int
+    ) -> None:
+        self._read, self._n_frames = read, n_frames
+        self._n_kept = n_in_block if n_in_block * frame_bytes <= _MAX_SLAB_BYTES else 1
+        self._start, self._slab = 0, np.empty(0)
+
+    def frame(self, index: int) -> Frame:
+        """Frame `index` as it is stored, a copy."""
+        if not self._start <= index < self._start + len(self._slab):
+            self._slab = np.empty(0)  # given back before the next is taken
+            self._start = index - index % self._n_kept
+            self._slab = self._read(self._start, min(self._start + self._n_kept, self._n_frames))
+        return np.array(self._slab[index - self._start])

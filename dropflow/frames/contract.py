@@ -70,6 +70,10 @@ class Frames(ABC):
         """
         return None
 
+    def file_names(self) -> Sequence[str]:
+        """Where frames lie in several files: their names, in the order of the frames. One a frame, or one a part."""
+        return ()
+
     def findings(self) -> tuple[Finding, ...]:
         """What the reader noticed that is no error."""
         return ()

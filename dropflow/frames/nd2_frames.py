@@ -11,7 +11,7 @@ import numpy as np
 from dropflow.errors import FramesError
 from dropflow.frames.choice import Axes, Choice, pick, select
 from dropflow.frames.contract import Frame, Times, check_count, check_size
-from dropflow.frames.damage import Source
+from dropflow.frames.damage import Source, reading
 from dropflow.frames.findings import Finding
 from dropflow.frames.grey import to_grey
 from dropflow.frames.reader import Reader
@@ -82,7 +82,7 @@ class Nd2Frames(Reader[Source]):
     def times_s(self) -> Times | None:
         if _TIMES not in self._chunks:
             return None
-        with self._lock:
+        with self._lock, reading(self.what, file=self._name, source=self._source):
             content: bytes = self._file._rdr._load_chunk(_TIMES)
         times_ms = np.frombuffer(content[: len(content) // 8 * 8], np.float64)
         there = np.array(self._places) < len(times_ms)

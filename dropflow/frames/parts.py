@@ -62,6 +62,9 @@ class PartFrames(Frames):
     def findings(self) -> tuple[Finding, ...]:
         return tuple(self._findings)
 
+    def file_names(self) -> Sequence[str]:
+        return self._names
+
     def close(self) -> None:
         with self._lock:
             if self._open is not None:

@@ -42,6 +42,9 @@ class StackFrames(Frames):
             frame = self._still(self._names[index])
         return same_shape(frame, self, index)
 
+    def file_names(self) -> Sequence[str]:
+        return self._names
+
     def close(self) -> None:
         if self._archive is not None:
             self._archive.close()

@@ -4,23 +4,20 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import zarr
 
 from dropflow.errors import FramesError
-from dropflow.frames.arrays import array_shape, check_block, is_stack
+from dropflow.frames.arrays import Slabs, array_shape, check_block, is_stack
 from dropflow.frames.choice import Axes, Choice, Selection, check_single, pick, select
 from dropflow.frames.contract import Frame, Times, check_count, check_size
 from dropflow.frames.findings import Finding, finding
 from dropflow.frames.grey import to_grey
 from dropflow.frames.ome_zarr import OmeArray, described
 from dropflow.frames.reader import Reader
+from dropflow.frames.zarr_blocks import blocks_of
 from dropflow.frames.zarr_store import METADATA, FilesStore
 
-_CODECS = {
-    *("bytes", "transpose", "crc32c", "sharding_indexed", "gzip", "zstd", "blosc"),
-    *("zlib", "lz4", "bz2", "lzma", "delta", "shuffle", "bitround", "fixedscaleoffset"),
-}
-"""What may be asked to unpack a block. Others (pickle) run what they find in it."""
 _MAX_ARRAYS = 1000
 
 
@@ -37,16 +34,23 @@ class ZarrFrames(Reader[FilesStore]):
 
     def _open(self) -> None:
         path = self._choose_path()
-        array = zarr.open_array(self._source, path=path, mode="r")
+        array: Any = zarr.open_array(self._source, path=path, mode="r")
         self._array, self._path = array, path
         self._label = f"{self._name}, {path or '/'}"
-        _check_codecs(array.metadata.to_dict(), self._label)
         check_block(array.shards or array.chunks, array.dtype, self._label)
+        blocks = array.shards or array.chunks
+        self._source.blocks = blocks_of(array.metadata.to_dict(), blocks, array.dtype.itemsize, self._label)
         if self._ome is None:
             check_single(self._choice, file=self._label)
             self._n_frames = array_shape(array.shape, array.dtype, self._label).n_frames
         else:
             self._n_frames = self._select_axes(self._ome)
+        self._slabs = Slabs(
+            self._slab,
+            n_in_block=self._frames_in_block(),
+            n_frames=self._n_frames,
+            frame_bytes=array.nbytes // self._n_frames,
+        )
         first = self._read(0)
         self.shape, self.dtype = (first.shape[0], first.shape[1]), first.dtype
 
@@ -75,14 +79,25 @@ class ZarrFrames(Reader[FilesStore]):
         return (finding("stack.blocks_absent", message, (), n=n_expected - n_stored),)
 
     def _read(self, index: int) -> Frame:
-        pixels: Any
+        pixels = self._slabs.frame(index)
+        return to_grey(pixels, self._label, self._choice.grey_from)
+
+    def _slab(self, start: int, stop: int) -> npt.NDArray[Any]:
+        """Frames `start` to `stop` as they are stored."""
         if self._ome is None or self._selection is None:
-            pixels = self._array[index] if self._array.ndim > 2 else self._array[...]
-        else:
-            time, z_plane = self._selection.place(index)
-            place = {"t": time, "z": z_plane, "c": self._selection.channel}
-            pixels = self._array[tuple(place.get(axis, slice(None)) for axis in self._ome.axes)]
-        return to_grey(np.asarray(pixels), self._label, self._choice.grey_from)
+            return np.asarray(self._array[start:stop] if self._array.ndim > 2 else self._array[...][None])
+        chosen = self._selection
+        along, fixed = ("t", "z") if chosen.along == "time" else ("z", "t")
+        place = {along: slice(start, stop), fixed: chosen.fixed, "c": chosen.channel}
+        slab = np.asarray(self._array[tuple(place.get(axis, slice(None)) for axis in self._ome.axes)])
+        return slab if along in self._ome.axes else slab[None]
+
+    def _frames_in_block(self) -> int:
+        chunk = self._array.chunks
+        if self._ome is None or self._selection is None:
+            return chunk[0] if self._array.ndim > 2 else 1
+        along = "t" if self._selection.along == "time" else "z"
+        return chunk[self._ome.axes.index(along)] if along in self._ome.axes else 1
 
     def _choose_path(self) -> str:
         """The array that is named, the only OME-Zarr image, or the only array that may be a stack."""
@@ -144,28 +159,3 @@ def _arrays(store: FilesStore) -> Iterator[tuple[str, Any]]:
 
 def _last(key: str) -> str:
     return key.rpartition("/")[2]
-
-
-def _check_codecs(metadata: Mapping[str, Any], label: str) -> None:
-    """Refuse an array whose blocks would be unpacked by anything but what is known to be harmless."""
-    unknown = sorted(set(_codec_names(metadata)) - _CODECS)
-    if unknown:
-        raise FramesError(
-            f"Its compression ({', '.join(unknown)}) is not read.",
-            code="frames.unsupported",
-            file=label,
-            hint="Store it with blosc, zstd, gzip, lz4, bz2 or lzma.",
-        )
-
-
-def _codec_names(metadata: Mapping[str, Any]) -> Iterator[str]:
-    old = [metadata.get("compressor"), *(metadata.get("filters") or ())]
-    for codec in [*(metadata.get("codecs") or ()), *(codec for codec in old if codec)]:
-        about = (
-            codec if isinstance(codec, dict) else codec.to_dict() if hasattr(codec, "to_dict") else codec.get_config()
-        )
-        yield str(about.get("name") or about.get("id")).removeprefix("numcodecs.").lower()
-        configuration = about.get("configuration") or {}
-        for key in ("codecs", "index_codecs"):
-            if key in configuration:
-                yield from _codec_names({"codecs": configuration[key]})

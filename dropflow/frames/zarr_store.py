@@ -12,6 +12,7 @@ from zarr.core.buffer import Buffer, BufferPrototype
 
 from dropflow.errors import FramesError
 from dropflow.frames.contract import Files
+from dropflow.frames.zarr_blocks import Blocks
 
 METADATA = frozenset({"zarr.json", ".zarray", ".zgroup", ".zattrs", ".zmetadata"})
 _MAX_METADATA_BYTES = 2**26
@@ -42,6 +43,8 @@ class FilesStore(Store):
         self._files, self._owned = files, owned
         self._name_of = {name.removeprefix(prefix): name for name in files.names() if name.startswith(prefix)}
         self.failure: Exception | None = None
+        self.blocks: Blocks | None = None
+        """How the blocks of the array that is read are packed; known when it is open."""
 
     @property
     def keys(self) -> Sequence[str]:
@@ -99,7 +102,8 @@ class FilesStore(Store):
     __hash__ = Store.__hash__
 
     def _read(self, key: str, byte_range: ByteRequest | None) -> bytes:
-        most = _MAX_METADATA_BYTES if PurePosixPath(key).name in METADATA else _MAX_CHUNK_FILE_BYTES
+        is_metadata = PurePosixPath(key).name in METADATA
+        most = _MAX_METADATA_BYTES if is_metadata else _MAX_CHUNK_FILE_BYTES
         try:
             with self._files.open(self._name_of[key]) as file:
                 start, stop = _bounds(byte_range, file.seek(0, io.SEEK_END))
@@ -112,6 +116,8 @@ class FilesStore(Store):
             raise
         if len(content) > most:
             raise ValueError(f"{key} is larger than {most:,} bytes")
+        if self.blocks is not None and not is_metadata:
+            self.blocks.check(content, byte_range)
         return content
 
 
