@@ -4,6 +4,7 @@ from dropflow.figures.coalescence import coalescence
 from dropflow.figures.flow_correlation import flow_correlation
 from dropflow.figures.flow_field import flow_field
 from dropflow.figures.flow_moments import flow_moments
+from dropflow.figures.following import displacement, tracking_step
 from dropflow.figures.layout import caption_of
 from dropflow.figures.materials import phase_diagram, temperature_ramp, viscosity
 from dropflow.figures.moments import moments
@@ -20,6 +21,7 @@ from dropflow.figures.size_distribution import size_distribution
 __all__ = [
     "caption_of",
     "coalescence",
+    "displacement",
     "flow_correlation",
     "flow_field",
     "flow_moments",
@@ -33,6 +35,7 @@ __all__ = [
     "radius_scatter",
     "size_distribution",
     "temperature_ramp",
+    "tracking_step",
     "trajectory_lengths",
     "velocity_against_radius",
     "viscosity",

@@ -41,12 +41,12 @@ def find_by_watershed(image: Image, *, maxima_height: float, r_min_px: float, r_
     maxima, n_maxima = extended_maxima(levels, height)
     if n_maxima == 0:
         return Circles.none()
-    markers = _markers(levels, maxima, height)
-    regions = flood(_gradient(image), markers)
+    markers = droplet_markers(levels, maxima, height)
+    regions = flood(gradient(image), markers)
     return _circles(regions, n_maxima, r_min_px=r_min_px, r_max_px=r_max_px)
 
 
-def _markers(levels: Levels, maxima: Labels, height: int) -> Labels:
+def droplet_markers(levels: Levels, maxima: Labels, height: int) -> Labels:
     """Droplet markers from 2 on, one background marker, 0 where the flood decides."""
     markers = np.where(maxima > 0, maxima + BACKGROUND, 0).astype(np.int32)
     dark, _ = extended_maxima(255 - levels, height)
@@ -65,7 +65,7 @@ def _lines_between(maxima: Labels) -> npt.NDArray[np.bool_]:
     return is_line
 
 
-def _gradient(image: Image) -> Levels:
+def gradient(image: Image) -> Levels:
     """Sobel magnitude on 0..255: its square root, for the gradients of faint edges would else share one level."""
     along_x = cv2.Sobel(image, cv2.CV_32F, 1, 0)
     along_y = cv2.Sobel(image, cv2.CV_32F, 0, 1)
