@@ -10,6 +10,7 @@ import typer
 from dropflow.cli import progress
 from dropflow.experiment import DropletTone
 from dropflow.simulation.film import Film
+from dropflow.simulation.oscillating import OSCILLATING, write_oscillating
 from dropflow.simulation.scenario import SCENARIOS, Scenario, changed, named_scenario
 from dropflow.simulation.write import write_experiment
 
@@ -19,7 +20,7 @@ _PANEL = "Constants of the scenario (shown: the default of most scenarios)"
 
 def _simulate(
     out: Annotated[Path, typer.Argument(metavar="OUT", help="Folder to make.", show_default=False)],
-    scenario: Annotated[str, typer.Option(help=f"One of {', '.join(SCENARIOS)}.")] = "easy",
+    scenario: Annotated[str, typer.Option(help=f"One of {', '.join(SCENARIOS)}, oscillating.")] = "easy",
     frames: Annotated[int, typer.Option(help="Number of frames.")] = 20,
     seed: Annotated[int, typer.Option(min=0, help="The same seed gives the same film.")] = 0,
     height: Annotated[int | None, typer.Option(help="Rows of a frame [default: 2058].")] = None,
@@ -31,13 +32,22 @@ def _simulate(
 
     Writes frames/*.tif, flat_field.tif, experiment.yaml, truth.parquet (every droplet in every frame), truth_flow.zarr
     (the exact flow), events.csv (births, coalescences, exits) and scenario.yaml (all constants). Frames of another
-    size hold as many droplets per area. Every constant of the scenario is an option.
+    size hold as many droplets per area. Every constant of the scenario is an option. The scenario "oscillating" is one
+    of nucleation waves; four of them take 212 s.
 
     Example: `dropflow simulate film/ --scenario dense --frames 50 --seed 1 --height 512 --width 612`
     """
     changes = {name: value for name, value in constants.items() if value is not None}
     sizes = {"height_px": height, "width_px": width}
     changes |= {name: value for name, value in sizes.items() if value is not None}
+    if scenario == OSCILLATING.name:
+        waves = changed(OSCILLATING, changes)
+        with progress.shown() as shown:
+            write_oscillating(
+                out, scenario=waves, n_frames=frames, seed=seed, with_images=not tables_only, progress=shown
+            )
+        typer.echo(f"The film is in {out}")
+        return
     film = Film(changed(named_scenario(scenario), changes), seed)
     with progress.shown() as shown:
         write_experiment(out, film, frames, with_images=not tables_only, progress=shown)
