@@ -6,7 +6,6 @@ from enum import StrEnum
 import numpy as np
 import numpy.typing as npt
 from scipy.ndimage import gaussian_filter1d
-from scipy.signal import find_peaks, peak_prominences
 
 from dropflow.statistics.histograms import FrameHistograms, coarsen
 from dropflow.statistics.size_distribution import size_moments
@@ -117,6 +116,8 @@ def find_oscillations(histograms: FrameHistograms, *, signal: Signal = Signal.N_
 
 def _strongest_period(signal: Floats) -> float | None:
     """First maximum of the autocorrelation past its first zero, in points."""
+    from scipy.signal import find_peaks  # takes a second to load, which whoever starts the service would wait for
+
     centred = signal - np.polynomial.Polynomial.fit(np.arange(len(signal)), signal, 1)(np.arange(len(signal)))
     spectrum = np.abs(np.fft.rfft(centred, 2 * len(centred))) ** 2
     correlation = np.fft.irfft(spectrum)[: len(centred)] / np.arange(len(centred), 0, -1)
@@ -151,6 +152,8 @@ def _noise(relative: Floats, smooth: Floats, width: float) -> float:
 def _with_peaks(
     nothing: Oscillations, time_s: Floats, smooth: Floats, period: float, noise: float, step_s: float
 ) -> Oscillations:
+    from scipy.signal import find_peaks, peak_prominences
+
     swing = float(np.std(smooth))
     least = max(_LEAST_PROMINENCE * noise, 0.3 * swing)
     peaks, _ = find_peaks(smooth, distance=max(period / 2, 1), prominence=least)
