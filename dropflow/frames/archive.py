@@ -13,6 +13,7 @@ from dropflow.frames.damage import Source, reading
 
 _MAX_MEMBER_BYTES = 2**30
 _MAX_MEMBERS = 1_000_000
+_COMPRESSIONS = {zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED}
 _IN_MEMORY_BYTES = 2**26
 """A file that is stored as it is and larger than this is read by ranges, without the archive's checksum of it."""
 _LOCAL_HEADER_BYTES = 30
@@ -93,8 +94,16 @@ class ZipFiles:
                 file=self._inside(name),
                 hint="Pack large files without compression (zip -0), or give them as they are.",
             )
+        if info.compress_type not in _COMPRESSIONS:
+            raise FramesError(
+                "Its compression is not read.",
+                code="frames.unsupported",
+                file=self._inside(name),
+                hint="Pack the archive with deflate, or without compression.",
+            )
         with self._zip.open(info) as member:
-            return io.BytesIO(member.read(_MAX_MEMBER_BYTES))
+            # One byte more than it says: zipfile inflates as far as it is asked, whatever was said.
+            return io.BytesIO(member.read(info.file_size + 1))
 
     def _range(self, info: zipfile.ZipInfo) -> BinaryIO:
         self._source.seek(info.header_offset)

@@ -118,7 +118,8 @@ def of_frame(frame: int | None) -> Iterator[None]:
 
 def damaged(what: str, problem: Exception | str, *, file: str, frame: int | None = None) -> FramesError:
     """The error for a file that is cut off or holds what makes no sense."""
-    reason = " ".join(str(problem).split())[:200] or type(problem).__name__
+    said = getattr(problem, "strerror", None) or str(problem)
+    reason = " ".join(said.split())[:200] or type(problem).__name__
     return FramesError(
         f"The {what} cannot be read ({reason}).",
         code="frames.truncated",

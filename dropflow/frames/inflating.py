@@ -23,7 +23,9 @@ def check_inflated(codec: str, content: bytes, most_bytes: int) -> None:
             n_bytes = int.from_bytes(content[:4], "little")
         case "zstd":
             n_bytes = _zstd_bytes(content, most_bytes)
-        case "gzip" | "zlib":
+        case "zlib":
+            n_bytes = _counted(content, most_bytes, _Deflate, has_several=False)
+        case "gzip":
             n_bytes = _counted(content, most_bytes, _Deflate)
         case "bz2":
             n_bytes = _counted(content, most_bytes, bz2.BZ2Decompressor)
@@ -77,8 +79,8 @@ class _Deflate:
         return self._stream.unused_data
 
 
-def _counted(content: bytes, most_bytes: int, start: Any) -> int:
-    """Bytes that inflate from `content`, counted in steps to just beyond `most_bytes`."""
+def _counted(content: bytes, most_bytes: int, start: Any, *, has_several: bool = True) -> int:
+    """Bytes that inflate from `content`, streams one after the other, counted in steps to just beyond `most_bytes`."""
     n_bytes = 0
     while content and n_bytes <= most_bytes:
         stream: _Inflating = start()
@@ -89,5 +91,5 @@ def _counted(content: bytes, most_bytes: int, start: Any) -> int:
                 return n_bytes  # cut off, as whoever inflates it will say
             n_bytes += len(inflated)
             given = b""
-        content = stream.unused_data
+        content = stream.unused_data if has_several else b""
     return n_bytes

@@ -121,8 +121,8 @@ class Nd2Frames(Reader[Source]):
             raise FramesError("It runs along axes that are not read.", code="frames.unsupported", file=self._name)
         position = pick("position", sizes["P"], self._choice.position, file=self._name)
         n_channels = self._file.attributes.channelCount or 1
-        names = (channel.channel.name or "" for channel in self._file.metadata.channels) if n_channels > 1 else ()
-        chosen = select(Axes(sizes["T"], sizes["Z"], n_channels, tuple(names)), self._choice, file=self._name)
+        axes = Axes(sizes["T"], sizes["Z"], n_channels, self._channel_names() if n_channels > 1 else ())
+        chosen = select(axes, self._choice, file=self._name)
         self._channel = chosen.channel
         if loops:
             number = {
@@ -136,6 +136,13 @@ class Nd2Frames(Reader[Source]):
         check_count(n_there, self._name)
         self._findings = fewer(n_there, len(places))
         return places[:n_there]
+
+    def _channel_names(self) -> tuple[str, ...]:
+        """For an error's sake; they stand among much that differs from microscope to microscope."""
+        try:
+            return tuple(channel.channel.name or "" for channel in self._file.metadata.channels)
+        except Exception:
+            return ()
 
     def _read(self, index: int) -> Frame:
         place = self._places[index]

@@ -136,6 +136,8 @@ def _is_here(tiff_data: ElementTree.Element, own_id: str | None) -> bool:
 def _block(tiff_data: ElementTree.Element) -> _Block:
     has_page, n_planes = "IFD" in tiff_data.attrib, _int(tiff_data, "PlaneCount", -1)
     start = (_int(tiff_data, "FirstT"), _int(tiff_data, "FirstZ"), _int(tiff_data, "FirstC"))
+    if min(_int(tiff_data, "IFD"), *start) < 0:
+        raise ValueError("its OME-XML names a page before the first")
     if n_planes < 0:
         return _Block(_int(tiff_data, "IFD"), start, 1 if has_page else None)
     return _Block(_int(tiff_data, "IFD"), start, n_planes)

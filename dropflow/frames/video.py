@@ -58,6 +58,10 @@ class VideoFrames(Reader[Source]):
         context.thread_type, context.thread_count = "NONE", 1
         context.options = {"max_pixels": str(MAX_FRAME_PIXELS)}
         check_size(context.height, context.width, self._name)
+        if context.pix_fmt == _PALETTE:
+            # The palette comes with the first packet alone, and a decoder that has seen it keeps it.
+            next(self._container.decode(self._stream), None)
+            self._container.seek(self._stream.start_time or 0, stream=self._stream, backward=True)
         self._index = index_of(self._container, self._stream)
         check_count(len(self._index.stamps), self._name)
         first = self._read(0)

@@ -98,6 +98,21 @@ def write_imagej_block(path: Path, film: Film) -> Path:
     return path
 
 
+def write_metamorph(path: Path, film: Film) -> Path:
+    """A MetaMorph stack: one page, tags that count the planes, and the planes behind it."""
+    uic1, uic2, n = 33628, 33629, len(film)
+    tags = [(uic1, 4, 2, (0, 0), True), (uic2, 5, 3 * n, (1,) * 6 * n, True)]
+    tifffile.imwrite(path, film[0], metadata=None, photometric="minisblack", extratags=tags)
+    with tifffile.TiffFile(path) as tiff:
+        page = tiff.pages[0]
+        count_at, (start,) = page.tags[uic2].offset + 4, page.dataoffsets
+    content = bytearray(path.read_bytes())
+    content[count_at : count_at + 4] = n.to_bytes(4, "little")
+    content[start:] = film.tobytes()
+    path.write_bytes(content)
+    return path
+
+
 def write_paged_folder(folder: Path, film: Film) -> Path:
     """Two TIFF files of several pages each."""
     folder.mkdir()
@@ -235,6 +250,7 @@ WRITERS: list[Callable[[Path, Film], Path]] = [
     write_ome_tiff,
     write_imagej,
     write_imagej_block,
+    write_metamorph,
     write_paged_folder,
     write_zip,
     write_zip_of_pages,

@@ -12,6 +12,7 @@ import numpy.typing as npt
 _MAGIC = 0x0ABECEDA
 _BOOL, _INT, _UINT, _DOUBLE, _STRING, _LEVEL = 1, 2, 3, 6, 8, 11
 _NAME_BYTES_OF_FRAME = 4072
+_GLASS = {"pFluorescentProbe": {"uiCount": 0}}
 
 
 @dataclass
@@ -64,7 +65,9 @@ class Nd2File:
 
     def _picture(self) -> dict[str, Any]:
         n_channels = self.planes.shape[3]
-        planes = {f"a{index}": {"uiCompCount": 1, "sDescription": f"camera {index}"} for index in range(n_channels)}
+        planes = {
+            f"a{index}": {"uiCompCount": 1, "sDescription": f"camera {index}", **_GLASS} for index in range(n_channels)
+        }
         return {
             "bCalibrated": True,
             "dCalibration": 0.5,
