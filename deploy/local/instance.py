@@ -11,12 +11,12 @@ from deploy.local.answers import status_of
 from deploy.local.errors import LauncherError
 from deploy.local.folder import InstanceFolder
 from deploy.local.options import Options
-from deploy.local.postgres import Postgres
+from deploy.local.postgres import Postgres, given_database
 from deploy.local.processes import Child, is_port_free
 from deploy.local.services import CHECKOUT, api, demo, environment_of, workers
 from deploy.local.signals import StopRequested
 from deploy.local.supervisor import POLL_S, Supervisor
-from deploy.local.valkey import Valkey
+from deploy.local.valkey import Valkey, given_queue
 
 DATABASE = "dropflow"
 PAGE = CHECKOUT / "frontend" / "dist" / "index.html"
@@ -54,8 +54,9 @@ class Instance:
             )
         shutil.rmtree(self._folder.work)  # nobody works here yet: what is in it was left by a kill
         self._folder.work.mkdir()
-        database_url = self._options.database_url or self._start_postgres()
-        redis_url = self._options.redis_url or self._start_valkey()
+        given = self._options
+        database_url = given_database(given.database_url) if given.database_url else self._start_postgres()
+        redis_url = given_queue(given.redis_url) if given.redis_url else self._start_valkey()
         environment = environment_of(self._options, self._folder, database_url=database_url, redis_url=redis_url)
         self._migrate(environment)
         # The page first: it is what people wait for, and the cores are few.

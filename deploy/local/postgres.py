@@ -185,6 +185,16 @@ def plain(url: str) -> str:
     return url.replace("postgresql+psycopg://", "postgresql://", 1)
 
 
+def given_database(url: str) -> str:
+    """`url`, once a server has answered there."""
+    try:
+        psycopg.connect(plain(url), connect_timeout=5).close()
+    except psycopg.Error as problem:
+        words = str(problem).strip().splitlines()[0]
+        raise LauncherError(f"DATABASE_URL does not lead to a PostgreSQL: {words}", exit_code=2) from None
+    return url
+
+
 def new_password() -> str:
     # URL-safe, for it stands in addresses.
     return secrets.token_urlsafe(24)

@@ -33,6 +33,17 @@ def server_program() -> Path:
     raise LauncherError("No Valkey or Redis is here: `make setup` installs one, or set REDIS_URL.", exit_code=2)
 
 
+def given_queue(url: str) -> str:
+    """`url`, once a server has answered there."""
+    try:
+        with redis.Redis.from_url(url, socket_timeout=5, retry=Retry(NoBackoff(), 0)) as client:
+            client.ping()
+    except (redis.RedisError, ValueError) as problem:
+        words = str(problem).strip().splitlines()[0]
+        raise LauncherError(f"REDIS_URL does not lead to a Redis or Valkey: {words}", exit_code=2) from None
+    return url
+
+
 class Valkey:
     """A server on `folder`, listening on loopback at a port chosen at the first start."""
 

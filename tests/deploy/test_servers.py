@@ -12,9 +12,10 @@ import redis
 from redis.backoff import NoBackoff
 from redis.retry import Retry
 
-from deploy.local.postgres import Installation, Postgres, installations, new_password, plain
+from deploy.local.errors import LauncherError
+from deploy.local.postgres import Installation, Postgres, given_database, installations, new_password, plain
 from deploy.local.processes import is_port_free
-from deploy.local.valkey import Valkey
+from deploy.local.valkey import Valkey, given_queue
 from tests.services import ROOT, scratch_folder
 
 
@@ -38,6 +39,25 @@ def test_postgres_keeps_its_data_over_a_restart_in_a_closed_folder(installation:
 def test_postgres_asks_for_its_password(postgres_server: Postgres) -> None:
     with pytest.raises(psycopg.OperationalError, match="password authentication failed"):
         psycopg.connect(f"postgresql://dropflow:wrong@127.0.0.1:{postgres_server.port}/postgres")
+
+
+@pytest.mark.parametrize("url", ["postgresql://nobody@127.0.0.1:1/none", "mysql://127.0.0.1/none"])
+def test_an_address_without_postgres_is_refused(url: str) -> None:
+    with pytest.raises(LauncherError, match="DATABASE_URL does not lead to a PostgreSQL: ") as refused:
+        given_database(url)
+    assert refused.value.exit_code == 2
+
+
+@pytest.mark.parametrize("url", ["redis://127.0.0.1:1/0", "nonsense"])
+def test_an_address_without_valkey_is_refused(url: str) -> None:
+    with pytest.raises(LauncherError, match="REDIS_URL does not lead to a Redis or Valkey: ") as refused:
+        given_queue(url)
+    assert refused.value.exit_code == 2
+
+
+def test_addresses_of_running_servers_are_taken(postgres_server: Postgres, valkey_server: Valkey) -> None:
+    assert given_database(postgres_server.url()) == postgres_server.url()
+    assert given_queue(valkey_server.url()) == valkey_server.url()
 
 
 def test_valkey_keeps_a_queued_message_over_a_kill() -> None:
