@@ -12,7 +12,7 @@ from uuid import UUID
 from sqlalchemy import func, select, update
 from sqlalchemy.orm import Session
 
-from backend.models import Experiment, FrameSummary, Product, Run, Shard
+from backend.models import Experiment, FrameSummary, Product, Run, Shard, Stack
 from backend.models.lifecycle import settle_cancel
 from backend.models.states import SHARD_RULES, rule
 from backend.platform.events import announce, experiment_topic, run_topic
@@ -94,6 +94,14 @@ def give_back_all(context: Context, holders: str) -> int:
     with context.sessions.begin() as session:
         tries = {"attempts": func.greatest(Shard.attempts - 1, 0), "sent_at": None}
         return release(session, Shard.holder.like(holders), values=tries)
+
+
+def is_published(context: Context, prefix: str) -> bool:
+    """Whether a row speaks of the objects below `prefix`."""
+    with context.sessions.begin() as session:
+        product = select(Product.id).where(Product.prefix == prefix)
+        index = select(Stack.experiment_id).where(Stack.index_key.startswith(prefix, autoescape=True))
+        return session.scalar(product) is not None or session.scalar(index) is not None
 
 
 def end_shard(session: Session, claim: Claim, event: str, **values: Any) -> None:

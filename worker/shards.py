@@ -12,6 +12,7 @@ from worker import analyse, detect, ingest, outcomes, prepare, track
 from worker.context import Context
 from worker.failures import fail, unexpected
 from worker.leases import MAX_ATTEMPTS, Claim, Lease, LeaseLost, claim
+from worker.outcomes import is_published
 from worker.plan import Task
 from worker.work_folders import sweep
 
@@ -63,8 +64,10 @@ def _do(context: Context, taken: Claim) -> None:
 
 
 def _remove_output(context: Context, taken: Claim) -> None:
-    """What was written under this fence is of no use; if it cannot be removed now, the sweep finds it."""
+    """What was written under this fence is of no use, unless it was published and only the answer got lost."""
+    prefix = product_prefix(taken.experiment_id, taken.shard_id, taken.fence)
     try:
-        context.store.remove(product_prefix(taken.experiment_id, taken.shard_id, taken.fence))
+        if not is_published(context, prefix):
+            context.store.remove(prefix)
     except Exception:
-        log.exception("output not removed")
+        log.exception("output not removed", prefix=prefix)

@@ -1,5 +1,6 @@
 """Messages to workers: each says only "look at shard N". A lost one is sent again, a double one does no harm."""
 
+import time
 from uuid import UUID
 
 import redis
@@ -22,6 +23,9 @@ QUEUE_OF_TASK = {
 
 LONGEST_S = {"prepare": 1800, "detect": 1800}
 """A process that is still at it after so long hangs; it is ended, and the work tried again. Others take as they do."""
+
+AWAY_S = 2.0
+"""So long after a failure nothing is sent: there may be thousands of messages, each of which would have to fail."""
 
 QUEUES = tuple(dict.fromkeys(QUEUE_OF_TASK.values()))
 log = structlog.get_logger()
@@ -60,14 +64,19 @@ class Queue:
         self._broker = redis.Redis.from_url(
             redis_url, socket_connect_timeout=2, socket_timeout=5, retry=Retry(NoBackoff(), 0)
         )
+        self._is_away_until_s = 0.0
 
     def send(self, shard_id: UUID, task: str) -> None:
         """Ask for a worker to look at a shard."""
+        if time.monotonic() < self._is_away_until_s:
+            return
         longest_s = LONGEST_S.get(task)
         limits = {} if longest_s is None else {"soft_time_limit": longest_s, "time_limit": longest_s + 60}
         try:
+            self._broker.ping()  # Celery would try to connect for seconds, and somebody may be waiting for an answer
             self._celery.send_task(TASK_NAME, [str(shard_id)], queue=QUEUE_OF_TASK[task], retry=False, **limits)
         except (OperationalError, RedisError, OSError) as problem:
+            self._is_away_until_s = time.monotonic() + AWAY_S
             log.warning("message not sent", shard=str(shard_id), reason=str(problem))
 
     def n_waiting(self, queue: str) -> int:

@@ -1,13 +1,16 @@
 """What cannot be done ends with its cause in plain words; what may be passing is tried again."""
 
 from pathlib import Path
+from typing import Any
 
 import pytest
+from sqlalchemy.exc import OperationalError
 
 from backend.models.states import ShardState
 from dropflow import pipeline
 from tests.films import Upload, film, frame, tiff
 from tests.house import House, Json
+from worker import analyse, detect, outcomes, prepare, track
 from worker.leases import MAX_ATTEMPTS, claim
 from worker.shards import look_at
 
@@ -99,3 +102,27 @@ def test_output_of_work_that_failed_is_removed(house: House) -> None:
     house.work()
     assert house.again(run)["state"] == "failed"
     assert house.kept_objects() == before
+
+
+def test_output_that_was_published_is_kept_when_only_the_answer_got_lost(
+    house: House, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The connection may break after Postgres committed and before we hear of it."""
+    experiment = house.ready()
+    run = house.start(experiment)
+    publish = outcomes.publish
+
+    def publish_and_lose_the_answer(*work: Any) -> None:
+        publish(*work)
+        raise OperationalError("COMMIT", {}, Exception("server closed the connection"))
+
+    with monkeypatch.context() as broken:
+        for task in (prepare, detect, track, analyse):
+            broken.setattr(task, "publish", publish_and_lose_the_answer)
+        house.work()
+    done = house.again(run)
+    assert (done["state"], done["problem"]) == ("completed", None)
+    assert {shard.attempts for shard in house.shards(run)} == {1}
+    for file in house.ok(house.api.get(f"runs/{run['id']}/files"))["items"]:
+        assert len(house.api.get(f"runs/{run['id']}/files/{file['name']}").content) == file["size_bytes"]
+    assert house.ok(house.api.get(f"runs/{run['id']}/frames/1/droplets"))["x_px"]
