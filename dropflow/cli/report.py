@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from dropflow.figures.static import ImageFormat
 from dropflow.physics.temperature_log import read_temperature_log
 from dropflow.report.page import write_report
 from dropflow.results import open_results
@@ -18,13 +19,16 @@ def report(
     temperature_log: Annotated[
         Path | None, typer.Option("--temperature-log", help="CSV with time_s and temperature_c.")
     ] = None,
+    images: Annotated[Path | None, typer.Option("--images", help="Folder for each figure as a file to print.")] = None,
+    image_format: Annotated[ImageFormat, typer.Option("--image-format", help="Format of these.")] = ImageFormat.SVG,
 ) -> None:
     """Write one self-contained page with all figures, numbers, parameters, warnings and a methods paragraph.
 
     Example: `dropflow report results/ -o report.html`
     """
     temperature = None if temperature_log is None else read_temperature_log(temperature_log)
-    warnings = write_report(open_results(results), output, signal=signal, temperature=temperature)
+    printed = None if images is None else (images, image_format)
+    warnings = write_report(open_results(results), output, signal=signal, temperature=temperature, images=printed)
     for text in warnings:
         typer.echo(f"warning: {text}", err=True)
     typer.echo(f"The report is in {output}")

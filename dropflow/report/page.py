@@ -8,6 +8,7 @@ import plotly.io
 import yaml
 from plotly.offline import get_plotlyjs
 
+from dropflow.figures.static import ImageFormat, write_images
 from dropflow.physics.temperature_log import TemperatureLog
 from dropflow.report.findings import find
 from dropflow.report.sections import Section, sections
@@ -30,16 +31,23 @@ def write_report(
     *,
     signal: Signal = Signal.N_DROPLETS,
     temperature: TemperatureLog | None = None,
+    images: tuple[Path, ImageFormat] | None = None,
 ) -> list[str]:
-    """Write the report of an analysis; return its warnings. The file appears whole or not at all."""
+    """Write the report of an analysis; return its warnings. The file appears whole or not at all.
+
+    `images` names a folder, and the format in which each figure is to be written into it as well.
+    """
     found = find(results, signal=signal, temperature=temperature)
     said = warnings_of(results, found)
     numbers = numbers_of(results, found)
-    page = _page(results, sections(results, found), said, numbers, methods_of(results, found))
+    made = sections(results, found)
+    page = _page(results, made, said, numbers, methods_of(results, found))
     output.parent.mkdir(parents=True, exist_ok=True)
     unfinished = output.with_name(output.name + ".part")
     unfinished.write_text(page, encoding="utf-8")
     unfinished.replace(output)
+    if images is not None:
+        write_images({section.key: section.figure for section in made}, *images)
     return said
 
 
