@@ -1,5 +1,6 @@
 """The `dropflow` command: one module a subcommand. Errors a user can cause are one line and exit code 2."""
 
+import os
 import sys
 from importlib import import_module
 from typing import Any
@@ -8,7 +9,11 @@ import typer
 from typer.core import TyperGroup
 
 from dropflow.errors import DropflowError
-from dropflow.provenance import code_version
+
+# The arrays here are small: threads of a linear algebra library would wait for each other longer than they compute.
+# It reads these when NumPy is loaded, which happens when a subcommand is.
+for _library in ("OMP", "OPENBLAS", "MKL"):
+    os.environ.setdefault(f"{_library}_NUM_THREADS", "1")
 
 COMMANDS = ("analyse", "detect", "simulate", "score", "material", "ramp", "report", "export")
 """Each is a function of this name in the module of this name, in the order of the help."""
@@ -41,6 +46,8 @@ app = typer.Typer(
 
 def _show_version(is_wanted: bool) -> None:
     if is_wanted:
+        from dropflow.provenance import code_version
+
         typer.echo(f"dropflow {code_version()}")
         raise typer.Exit
 
