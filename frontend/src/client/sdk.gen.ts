@@ -218,7 +218,7 @@ export const runsRetry = <ThrowOnError extends boolean = true>(options: Options<
 /**
  * Schemas Get Experiment
  *
- * Get the JSON Schema of an experiment's document.
+ * Get the JSON Schema of an experiment's document, with the names of the known materials as examples.
  */
 export const schemasGetExperiment = <ThrowOnError extends boolean = true>(options?: Options<SchemasGetExperimentData, ThrowOnError>) => (options?.client ?? client).get<SchemasGetExperimentResponses, SchemasGetExperimentErrors, ThrowOnError>({ url: '/api/v1/schemas/experiment', ...options });
 

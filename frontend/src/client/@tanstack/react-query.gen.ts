@@ -590,7 +590,7 @@ export const schemasGetExperimentQueryKey = (options?: Options<SchemasGetExperim
 /**
  * Schemas Get Experiment
  *
- * Get the JSON Schema of an experiment's document.
+ * Get the JSON Schema of an experiment's document, with the names of the known materials as examples.
  */
 export const schemasGetExperimentOptions = (options?: Options<SchemasGetExperimentData>) => queryOptions<SchemasGetExperimentResponse, SchemasGetExperimentError, SchemasGetExperimentResponse, ReturnType<typeof schemasGetExperimentQueryKey>>({
     queryFn: async ({ queryKey, signal }) => {
