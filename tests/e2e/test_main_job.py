@@ -113,9 +113,11 @@ def test_the_page_gives_the_numbers_that_the_command_gives(page: Page, film: Pat
         )
         assert number(shown.inner_text()) == pytest.approx(summary["flow"][name], rel=FOUR_DIGITS)
 
-    page.get_by_role("tab", name="Sizes").click()
-    expect(page.locator(".js-plotly-plot").first).to_be_visible()
-    assert serious_findings(page) == []
+    for tab in ("Sizes", "Over time"):
+        page.get_by_role("tab", name=tab).click()
+        expect(page.locator(".js-plotly-plot").first).to_be_visible()
+        expect(page.get_by_role("alert")).to_have_count(0)
+        assert serious_findings(page) == []
 
     page.get_by_role("tab", name="Droplets and flow").click()
     trajectories = pl.read_parquet(film.with_name("results") / "trajectories.parquet")
