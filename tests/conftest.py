@@ -11,6 +11,7 @@
 """
 
 import os
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -85,3 +86,25 @@ def service(postgres_server: Postgres, migrated_template: str, valkey_server: Va
         running_service(url, valkey_server.url(1)) as running,
     ):
         yield running
+
+
+_exit_status = pytest.StashKey[int]()
+
+
+def pytest_sessionfinish(session: pytest.Session, exitstatus: int) -> None:
+    """Keep what the run came to for `pytest_unconfigure`."""
+    session.config.stash[_exit_status] = int(exitstatus)
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_unconfigure(config: pytest.Config) -> None:
+    """Leave with the tests' own result, all reports being written and all fixtures torn down.
+
+    So many native libraries are loaded by then that the end of the interpreter itself has crashed (all tests passed,
+    signal 11) and has waited for ever for a thread that a failing test left behind.
+    """
+    status = config.stash.get(_exit_status, None)
+    if status is not None:
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(status)
