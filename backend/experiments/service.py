@@ -80,15 +80,9 @@ def change(session: Session, viewer: Viewer, experiment_id: UUID, document: dict
     if experiment.stack.state == StackState.INDEXING:
         raise StackIndexing
     _refuse_during_run(session, experiment, "changed")
-    new = parsed.model_dump(mode="json")
     if experiment.stack.state == StackState.READY:
-        changed = {field for field in new if new[field] != experiment.document.get(field)}
-        if changed - _SAYS_HOW_TO_UNDERSTAND:
-            raise DescribesFiles(sorted(changed - _SAYS_HOW_TO_UNDERSTAND))
-        before_s = experiment.document.get("frame_interval_s")
-        if parsed.frame_interval_s is not None and before_s and experiment.stack.duration_s is not None:
-            experiment.stack.duration_s *= parsed.frame_interval_s / before_s  # with the gaps that are in it
-    experiment.document = new
+        _correct(experiment.stack, parse_experiment(experiment.document), parsed)
+    experiment.document = parsed.model_dump(mode="json")
     announce(session, experiment_topic(experiment.id))
     session.flush()
     session.refresh(experiment)
@@ -146,6 +140,15 @@ def look(platform: Platform, viewer: Viewer, experiment_id: UUID) -> schemas.Exp
     """One experiment, looked up in a transaction of its own."""
     with platform.sessions.begin() as session:
         return shown(session, get(session, viewer, experiment_id))
+
+
+def _correct(stack: Stack, before: Document, after: Document) -> None:
+    """What a corrected document means for a stack that was read with the one before."""
+    changed = {field for field in Document.model_fields if getattr(before, field) != getattr(after, field)}
+    if changed - _SAYS_HOW_TO_UNDERSTAND:
+        raise DescribesFiles(sorted(changed - _SAYS_HOW_TO_UNDERSTAND))
+    if before.frame_interval_s and after.frame_interval_s and stack.duration_s is not None:
+        stack.duration_s *= after.frame_interval_s / before.frame_interval_s  # with the gaps that are in it
 
 
 def _shown_stack(stack: Stack, files: tuple[int, int], done_frames: int | None) -> schemas.Stack:

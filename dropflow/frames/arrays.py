@@ -12,6 +12,7 @@ from dropflow.errors import FramesError
 from dropflow.frames.contract import Frame, check_count, check_size
 
 _MAX_BLOCK_BYTES = 2**30
+_MAX_BLOCKS_IN_FRAME = 2**16
 _MAX_SLAB_BYTES = 2**28
 _COLOURS = {3, 4}
 
@@ -51,8 +52,16 @@ def is_stack(shape: Sequence[int] | None, dtype: np.dtype[Any]) -> bool:
     return len(shape) in {2, 3} or (len(shape) == 4 and shape[3] in _COLOURS)
 
 
-def check_block(block: Sequence[int], dtype: np.dtype[Any], label: str) -> None:
-    """Refuse an array whose blocks (chunks) would each take too much memory to unpack."""
+def check_block(shape: Sequence[int], block: Sequence[int], dtype: np.dtype[Any], label: str) -> None:
+    """Refuse an array whose blocks (chunks) would each take too much memory to unpack, or be too many in a frame."""
+    n_in_frame = prod(-(-n // step) for n, step in zip(shape[-2:], block[-2:], strict=True))
+    if n_in_frame > _MAX_BLOCKS_IN_FRAME:
+        raise FramesError(
+            f"A frame is stored in {n_in_frame:,} blocks; {_MAX_BLOCKS_IN_FRAME:,} is the most.",
+            code="frames.too_large",
+            file=label,
+            hint="Store it again in larger blocks (chunks).",
+        )
     n_bytes = prod(block) * dtype.itemsize
     if n_bytes > _MAX_BLOCK_BYTES:
         raise FramesError(

@@ -8,7 +8,7 @@ from PIL import Image, UnidentifiedImageError
 from dropflow.errors import FramesError
 from dropflow.experiment import GreyFrom
 from dropflow.frames.contract import Frame, check_size
-from dropflow.frames.damage import reading
+from dropflow.frames.damage import damaged, reading
 from dropflow.frames.grey import through_palette, to_grey
 from dropflow.frames.kinds import not_an_image
 
@@ -16,6 +16,8 @@ from dropflow.frames.kinds import not_an_image
 Image.MAX_IMAGE_PIXELS = None
 
 _FORMATS = ("PNG", "JPEG", "BMP")
+_MAX_RATIO = 1032
+"""How much larger than its file an image may be: deflate, in PNG, comes so far with one colour."""
 
 
 def decode_single(content: bytes, name: str, grey_from: GreyFrom | None) -> Frame:
@@ -27,6 +29,8 @@ def decode_single(content: bytes, name: str, grey_from: GreyFrom | None) -> Fram
             raise not_an_image(name) from None
         with image:
             check_size(image.height, image.width, name)
+            if image.height * image.width * len(image.getbands()) > _MAX_RATIO * len(content):
+                raise damaged("image", "its data is too little for its size", file=name)
             if getattr(image, "n_frames", 1) > 1 and image.format == "PNG":
                 raise FramesError("An animated PNG is no frame.", file=name, hint="Give one file a frame.")
             return to_grey(_pixels(image), name, grey_from)

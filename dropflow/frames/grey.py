@@ -10,6 +10,7 @@ from dropflow.experiment import GreyFrom
 from dropflow.frames.contract import Frame
 
 _LUMINANCE = np.array([0.299, 0.587, 0.114], np.float32)
+_ROWS_AT_ONCE = 64
 _CHANNELS = [GreyFrom.RED, GreyFrom.GREEN, GreyFrom.BLUE]
 
 
@@ -24,8 +25,7 @@ def to_grey(pixels: Frame, name: str, grey_from: GreyFrom | None) -> Frame:
     if grey_from is None:
         raise colour_error(name)
     if grey_from == GreyFrom.LUMINANCE:
-        grey = _plain(pixels[..., :3] @ _LUMINANCE.astype(_at_least_float32(pixels.dtype)), name)
-        return grey if pixels.dtype.kind == "f" else np.rint(grey).astype(pixels.dtype)
+        return _plain(_luminance(pixels), name)
     return _plain(pixels[..., _CHANNELS.index(grey_from)], name)
 
 
@@ -45,8 +45,15 @@ def through_palette(indices: Frame, palette: npt.NDArray[Any]) -> Frame:
     return np.take(palette[:, 0] if is_grey else palette, indices, axis=0)
 
 
-def _at_least_float32(dtype: np.dtype[Any]) -> np.dtype[Any]:
-    return np.result_type(dtype, np.float32) if dtype.kind in "uif" else np.dtype(np.float32)
+def _luminance(pixels: Frame) -> Frame:
+    """Grey in the depth of the colours, some rows at a time: as floats a whole frame would take four times the room."""
+    dtype = pixels.dtype if pixels.dtype.kind in "uif" else np.dtype(np.float32)
+    weights = _LUMINANCE.astype(np.result_type(dtype, np.float32))
+    grey = np.empty(pixels.shape[:2], dtype)
+    for start in range(0, len(grey), _ROWS_AT_ONCE):
+        rows = pixels[start : start + _ROWS_AT_ONCE, :, :3] @ weights
+        grey[start : start + _ROWS_AT_ONCE] = rows if dtype.kind == "f" else np.rint(rows)
+    return grey
 
 
 def _plain(pixels: Frame, name: str) -> Frame:

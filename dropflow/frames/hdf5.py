@@ -40,8 +40,9 @@ class Hdf5Frames(Reader[Source]):
         # MATLAB stores the last index first: its rows are the file's columns.
         self._is_transposed = "MATLAB_class" in self._data.attrs
         self._shape = array_shape(self._data.shape, self._data.dtype, self._label, is_transposed=self._is_transposed)
-        chunks = self._data.chunks or ()
-        check_block(chunks, self._data.dtype, self._label)
+        chunks = self._data.chunks
+        if chunks is not None:
+            check_block(self._data.shape, chunks, self._data.dtype, self._label)
         self._deflate_at = self._check_filters()
         self._slabs = Slabs(
             self._slab,

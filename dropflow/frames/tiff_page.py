@@ -7,10 +7,11 @@ import tifffile
 
 from dropflow.errors import FramesError
 from dropflow.frames.contract import Frame, check_size
+from dropflow.frames.damage import damaged
 from dropflow.frames.grey import through_palette
 
-_COMPRESSIONS = {1, 5, 7, 8, 32773, 32946, 34925, 50000}
-"""None, LZW, JPEG, deflate (two numbers), PackBits, LZMA, Zstandard."""
+_MAX_RATIOS = {1: 1, 5: 2000, 7: 1032, 8: 1032, 32773: 64, 32946: 1032, 34925: 2**16, 50000: 2**16}
+"""None, LZW, JPEG, deflate (two numbers), PackBits, LZMA, Zstandard: how much larger than its data an image may be."""
 _JPEG = 7
 _MAX_TILE_PIXELS = 2**24
 
@@ -24,7 +25,7 @@ def check_page(page: tifffile.TiffPage, label: str, size_bytes: int) -> None:
             code="frames.not_intensities",
             file=label,
         )
-    if page.compression not in _COMPRESSIONS:
+    if page.compression not in _MAX_RATIOS:
         raise FramesError(
             f"Its compression ({_name(page.compression)}) is not read.",
             code="frames.unsupported",
@@ -36,6 +37,9 @@ def check_page(page: tifffile.TiffPage, label: str, size_bytes: int) -> None:
     ):
         raise FramesError("Its tiles are larger than the image.", code="frames.too_large", file=label)
     check_complete(page, label, size_bytes)
+    n_bits = page.imagelength * page.imagewidth * page.samplesperpixel * page.bitspersample
+    if n_bits // 8 > _MAX_RATIOS[page.compression] * sum(page.databytecounts):
+        raise damaged("TIFF file", "its data is too little for its size", file=label)
 
 
 def check_complete(page: tifffile.TiffPage, label: str, size_bytes: int) -> None:

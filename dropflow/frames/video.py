@@ -10,7 +10,7 @@ from av.video.frame import VideoFrame, supported_np_pix_fmts
 from dropflow.errors import FramesError
 from dropflow.experiment import GreyFrom
 from dropflow.frames.choice import Choice, check_single
-from dropflow.frames.contract import MAX_FRAME_PIXELS, Frame, Times, check_count, check_size
+from dropflow.frames.contract import Frame, Times, check_count, check_size
 from dropflow.frames.damage import Source
 from dropflow.frames.grey import colour_error, through_palette, to_grey
 from dropflow.frames.reader import Reader
@@ -24,6 +24,8 @@ _GREY = {name for name in supported_np_pix_fmts if name.startswith("gray")}
 """Read as stored."""
 _TO_GREY = {"monow": "gray", "monob": "gray", "ya8": "gray", "ya16le": "gray16le", "ya16be": "gray16le"}
 """One bit, and grey with alpha."""
+_MAX_PIXELS = 2**26
+"""Less than of other frames, for a decoder keeps up to 16 of them."""
 _PALETTE = "pal8"
 _BITS_OF_A_BYTE = 8
 
@@ -48,7 +50,7 @@ class VideoFrames(Reader[Source]):
             "r",
             format=_FORMATS[self._kind],
             io_open=_refuse,
-            options={"max_pixels": str(MAX_FRAME_PIXELS)},
+            options={"max_pixels": str(_MAX_PIXELS)},
         )
         streams = self._container.streams.video
         if not streams:
@@ -56,7 +58,7 @@ class VideoFrames(Reader[Source]):
         self._stream = streams[0]
         context = self._stream.codec_context
         context.thread_type, context.thread_count = "NONE", 1
-        context.options = {"max_pixels": str(MAX_FRAME_PIXELS)}
+        context.options = {"max_pixels": str(_MAX_PIXELS)}
         check_size(context.height, context.width, self._name)
         if context.pix_fmt == _PALETTE:
             # The palette comes with the first packet alone, and a decoder that has seen it keeps it.

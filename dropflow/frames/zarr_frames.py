@@ -37,7 +37,8 @@ class ZarrFrames(Reader[FilesStore]):
         array: Any = zarr.open_array(self._source, path=path, mode="r")
         self._array, self._path = array, path
         self._label = f"{self._name}, {path or '/'}"
-        check_block(array.shards or array.chunks, array.dtype, self._label)
+        check_block(array.shape, array.chunks, array.dtype, self._label)
+        check_block(array.shape, array.shards or array.chunks, array.dtype, self._label)
         blocks = array.shards or array.chunks
         self._source.blocks = blocks_of(array.metadata.to_dict(), blocks, array.dtype.itemsize, self._label)
         if self._ome is None:

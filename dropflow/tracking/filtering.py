@@ -30,6 +30,7 @@ VERDICTS = pa.schema(
         ("first_frame", pa.int32()),
         ("last_frame", pa.int32()),
         ("n_frames", pa.int32()),
+        ("n_detected", pa.int32()),
         ("x_px", pa.float64()),
         ("y_px", pa.float64()),
         ("r_px", pa.float64()),
@@ -47,6 +48,8 @@ class Trails:
 
     trajectory_id: Indices
     n_frames: Indices
+    n_detected: Indices
+    """Frames in which it was detected, not only found by prediction."""
     first_frame: Indices
     last_frame: Indices
     first_x_px: Column
@@ -72,7 +75,8 @@ class Trails:
         at, none = np.full(len(front), frame), np.zeros(len(front))
         x, y, r = front.droplets.x_px, front.droplets.y_px, front.droplets.r_px
         one = np.ones(len(front), np.int64)
-        return Trails(front.trajectory_id, one, at, at, x, y, x, y, r, none, none, front.evidence)
+        detected = front.is_detected.astype(np.int64)
+        return Trails(front.trajectory_id, one, detected, at, at, x, y, x, y, r, none, none, front.evidence)
 
     def extend(self, front: Front, frame: int, predicted_step_px: Column) -> tuple["Trails", "Trails"]:
         """Go back to `front` at `frame`, whose droplets were predicted to move by `predicted_step_px`, shape (2, n).
@@ -94,6 +98,7 @@ class Trails:
                 "first_frame": self.first_frame,
                 "last_frame": self.last_frame,
                 "n_frames": self.n_frames,
+                "n_detected": self.n_detected,
                 "x_px": self.first_x_px,
                 "y_px": self.first_y_px,
                 "r_px": self.r_sum_px / self.n_frames,
@@ -105,7 +110,7 @@ class Trails:
         joined = {name: getattr(self, name).copy() for name in self.__dataclass_fields__}
         for name in ("last_frame", "last_x_px", "last_y_px"):
             joined[name][rows] = getattr(later, name)[later_rows]
-        for name in ("n_frames", "r_sum_px", "evidence"):
+        for name in ("n_frames", "n_detected", "r_sum_px", "evidence"):
             joined[name][rows] += getattr(later, name)[later_rows]
         joined["predicted_x_px"][rows] = later.predicted_x_px[later_rows] + step_px[0, rows]
         joined["predicted_y_px"][rows] = later.predicted_y_px[later_rows] + step_px[1, rows]

@@ -213,7 +213,7 @@ def test_other_detection_takes_over_nothing(house: House) -> None:
     ready = house.ready()
     house.start(ready)
     house.work()
-    other = house.start(ready, {"detection": {"radius_min_um": 4.0, "radius_max_um": 19.0}})
+    other = house.start(ready, PARAMETERS | {"detection": PARAMETERS["detection"] | {"radius_max_um": 19.0}})
     house.work()
     assert [stage["reused_frames"] for stage in house.again(other)["stages"]] == [0, 0, 0]
 

@@ -112,6 +112,13 @@ def test_a_table_with_too_few_times_rejects_the_stack(house: House) -> None:
     assert problem["errors"][0]["field"] == "timestamps"
 
 
+def test_what_is_odd_about_a_stack_and_no_error_is_told(house: House) -> None:
+    stack = house.ready([Upload(f"frame{number}.tif", tiff(frame(number))) for number in (0, 1, 3, 4)])["stack"]
+    assert stack["n_frames"] == 4
+    assert any("missing" in warning for warning in stack["warnings"])
+    assert stack["duration_s"] == 4.0
+
+
 def test_a_removed_stack_leaves_no_object_and_a_new_one_can_come(house: House) -> None:
     ready = house.ready()
     emptied = house.ok(house.api.delete(f"experiments/{ready['id']}/stack"))

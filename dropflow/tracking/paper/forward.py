@@ -113,7 +113,7 @@ def _flow_from_nothing(droplets: Droplets, detected: Droplets, rules: PaperRules
     """Elect displacements, then identify and average until the pairs stay the same."""
     sunk = moved(droplets, rules.motion.sinking_px(droplets.r_px, dt_s))
     spacing_px = rules.grid.spacing_px(len(detected))
-    pairs = elect_pairs(sunk, detected, spacing_px=spacing_px, similar_ratio=rules.similar_ratio)
+    pairs = elect_pairs(sunk, detected, spacing_px=spacing_px)
     flow = _flow_of(pairs, droplets, detected, rules, dt_s)
     for _ in range(_MOST_ROUNDS):
         again = _identify(droplets, detected, flow or still_flow(rules.grid), rules, dt_s)

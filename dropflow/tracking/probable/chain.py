@@ -15,9 +15,8 @@ from dropflow.tracking.probable.flows import ProbableFlows
 from dropflow.tracking.probable.forward import ProbableForward
 
 _STATIONARY_FRACTION = 0.5
-_LEAST_EVIDENCE = 5.0
-"""ln odds of a trajectory against chance: of random detections 1 in 20 that link at all make one, and together less
-than 1 in 100."""
+_LEAST_EVIDENCE = 6.5
+"""ln odds of a trajectory against chance: with it fewer than 1 in 100 random detections get into one."""
 
 
 @dataclass(frozen=True)

@@ -32,6 +32,8 @@ _STOKES_DRIFT_VARIANCE = 1e-5
 _UNKNOWN_STOKES_VARIANCE = 0.3**2
 _FIRST_CHANGE_PER_S = 0.1
 """Share of its rms by which an unknown flow is thought to change in a second."""
+_LONGEST_WAIT = 32
+"""Steps between searches for the flow where it cannot be found."""
 _KEPT = 0.8
 _MEDIAN_SQUARE = 0.455
 """Median of the square of a standard normal variable."""
@@ -51,6 +53,18 @@ class FlowMemory:
         self._steps: list[Observations] = []
         self._ages_s: list[float] = []
         self._n_steps = 0
+        self._n_failures = 0
+        self._wait = 0
+
+    @property
+    def may_be_sought(self) -> bool:
+        """Whether it is time to look for the flow from nothing: after failures in a row less and less often."""
+        return self._wait == 0
+
+    def note_search(self, *, has_failed: bool) -> None:
+        """Remember how a search for the flow ended."""
+        self._n_failures = self._n_failures + 1 if has_failed else 0
+        self._wait = min(2**self._n_failures, _LONGEST_WAIT) if has_failed else 0
 
     @property
     def noise_um_s(self) -> float:
@@ -72,6 +86,7 @@ class FlowMemory:
 
     def learn(self, seen: Observations, flow: WaveFlow | None, dt_s: float) -> None:
         """Remember a step that is over: what was seen of it and the flow that was found."""
+        self._wait = max(self._wait - 1, 0)
         self._ages_s = [age + dt_s for age in self._ages_s]
         if len(seen):
             self._steps, self._ages_s = [*self._steps, seen], [*self._ages_s, dt_s / 2]
@@ -117,7 +132,8 @@ class FlowMemory:
 
     def state(self) -> Arrays:
         """Everything, as arrays."""
-        arrays: Arrays = {"ages_s": np.array(self._ages_s), "numbers": np.array([self._n_steps, self.change_um_s2])}
+        arrays: Arrays = {"ages_s": np.array(self._ages_s), "change_um_s2": np.asarray(self.change_um_s2)}
+        arrays["counts"] = np.array([self._n_steps, self._n_failures, self._wait])
         for index, step in enumerate(self._steps):
             arrays |= save_columns(f"step{index}", step)
         if self.model is not None:
@@ -131,7 +147,8 @@ class FlowMemory:
         """Take up a state."""
         self._ages_s = arrays["ages_s"].tolist()
         self._steps = [load_columns(f"step{index}", Observations, arrays) for index in range(len(self._ages_s))]
-        self._n_steps, self.change_um_s2 = int(arrays["numbers"][0]), float(arrays["numbers"][1])
+        self._n_steps, self._n_failures, self._wait = arrays["counts"].tolist()
+        self.change_um_s2 = float(arrays["change_um_s2"])
         model, last = without_prefix("model.", arrays), without_prefix("last.", arrays)
         self.model = _load_model(model, self._up) if model else None
         self.last = self._load_flow(last) if last else None

@@ -9,7 +9,9 @@ from dropflow.tracking.checkpoint import Arrays
 from dropflow.tracking.follow import Followed, Look, follow
 from dropflow.tracking.front import Front
 from dropflow.tracking.grid import Column, Grid
+from dropflow.tracking.identification import Indices, same_droplets
 from dropflow.tracking.prediction import Motion
+from dropflow.tracking.probable.expectation import Predicted
 from dropflow.tracking.probable.flow_memory import FlowMemory
 from dropflow.tracking.probable.forward_step import ForwardStep, Outcome
 from dropflow.tracking.probable.memory import Memory
@@ -25,7 +27,13 @@ _MOST_EVIDENCE = 6.0
 SIGHTING_EVIDENCE = 1.0
 """Of a droplet that only the image shows where it is looked for: something is often there."""
 _MOST_UNDETECTED = 6
-"""Frames in a row that a droplet may be seen only where it is looked for."""
+"""Frames in a row that a droplet may be seen only where it is looked for, or not at all."""
+_MOST_UNSEEN = 2
+"""Frames in a row that a droplet may not be seen at all."""
+_SURE_EVIDENCE = 5.0
+"""ln odds of a trajectory that is waited for."""
+_SURE_SPACINGS = 0.3
+"""A droplet is waited for where its place is known to this part of the mean spacing."""
 
 
 class ProbableForward:
@@ -70,33 +78,49 @@ class ProbableForward:
         )
 
     def _continue(self, memory: Memory, detected: Droplets, followed: Followed, outcome: Outcome, dt_s: float) -> None:
-        """Put together the droplets that were found again and the new ones."""
+        """Put together the droplets that were found again, those that may only be hidden, and the new ones."""
         paired, searched = followed.paired, followed.searched
-        goes_on = np.concatenate([paired.first, searched])
+        again = np.concatenate([paired.first, searched])
         there = Droplets.concatenate([detected[paired.second], followed.sighted])
-        old = memory[goes_on].measured(there.r_px, there.r_std_px)
+        seen = memory[again].measured(there.r_px, there.r_std_px)
         if outcome.flow is not None:
-            old = self._with_own_ways(old, self._front.droplets[goes_on], there, outcome.flow, dt_s)
+            seen = self._with_own_ways(seen, self._front.droplets[again], there, outcome.flow, dt_s)
         probability = outcome.association.of(paired, outcome.association.probability, 0.5)
         evidence = np.append(log_odds(probability), np.full(len(searched), SIGHTING_EVIDENCE))
-        n_unseen = np.append(np.zeros(len(paired), np.int64), memory.n_unseen[searched] + 1)
-        old = replace(old, n_unseen=n_unseen)
+        n_undetected = np.append(np.zeros(len(paired), np.int64), memory.n_undetected[searched] + 1)
+        nowhere = np.zeros(len(again), np.int64)
+        seen = replace(seen, evidence=seen.evidence + evidence, n_undetected=n_undetected, n_unseen=nowhere)
         new = detected[np.setdiff1d(np.arange(len(detected)), paired.second)]
         born = Memory.of_new(new.r_px, new.r_std_px, self._flow.noise_um_s**2)
-        together = Memory.concatenate([old, born])
+        hidden = self._hidden(memory, again, outcome.predicted, Droplets.concatenate([there, new]))
+        waiting = memory[hidden]
+        waiting = replace(waiting, n_undetected=waiting.n_undetected + 1, n_unseen=waiting.n_unseen + 1)
+        together = Memory.concatenate([seen, waiting, born])
+        old_ids = self._front.trajectory_id[np.concatenate([again, hidden])]
         front = Front(
-            np.append(self._front.trajectory_id[goes_on], self._next_id + np.arange(len(new))),
-            Droplets.concatenate([there, new]),
+            np.append(old_ids, self._next_id + np.arange(len(new))),
+            Droplets.concatenate([there, unseen(outcome.predicted, hidden), new]),
+            together.n_undetected == 0,
             together.n_unseen == 0,
-            np.ones(len(together.log_r), bool),
             np.exp(together.log_r),
             np.sqrt(together.log_r_variance),
-            np.append(evidence, np.zeros(len(new))),
+            np.concatenate([evidence, np.zeros(len(hidden) + len(new))]),
         )
         order = np.argsort(front.trajectory_id, kind="stable")
-        order = order[together.n_unseen[order] <= _MOST_UNDETECTED]
+        order = order[together.n_undetected[order] <= _MOST_UNDETECTED]
         self._front, self._memory = front[order], together[order]
         self._next_id += len(new)
+
+    def _hidden(self, memory: Memory, again: Indices, predicted: Predicted, there: Droplets) -> Indices:
+        """Droplets that were not seen and may come back: well known, surely predicted, and nobody is in their place."""
+        lost = np.setdiff1d(np.arange(len(memory.log_r)), again)
+        place = predicted.droplets[lost]
+        is_known = (memory.evidence[lost] > _SURE_EVIDENCE) & (memory.n_unseen[lost] < _MOST_UNSEEN)
+        variance = np.maximum(predicted.across_variance[lost], predicted.along_variance[lost])
+        is_sure = np.sqrt(variance) < _SURE_SPACINGS * self._grid.spacing_px(len(there))
+        is_taken = np.isin(np.arange(len(lost)), same_droplets(place, there, SIMILAR_RATIO).first)
+        is_inside = self._grid.contains(place.x_px, place.y_px)
+        return lost[is_known & is_sure & is_inside & ~is_taken]
 
     def _with_own_ways(self, memory: Memory, before: Droplets, after: Droplets, flow: WaveFlow, dt_s: float) -> Memory:
         """Learn what each droplet does beyond flow and Stokes."""
@@ -130,6 +154,15 @@ class ProbableForward:
         self._flow.restore(without_prefix("flow.", arrays))
         self._scales = Scales(*arrays["scales"].tolist())
         self._next_id = int(arrays["next_id"])
+
+
+def unseen(predicted: Predicted, which: Indices) -> Droplets:
+    """Droplets where they are thought to be; nothing in the image speaks for them."""
+    place = predicted.droplets[which]
+    std = np.sqrt((predicted.across_variance[which] + predicted.along_variance[which]) / 2)
+    nothing = np.zeros(len(which))
+    r_std = predicted.log_r_std[which] * place.r_px
+    return replace(place, x_std_px=std, r_std_px=np.asarray(r_std), probability=nothing, match=nothing)
 
 
 def log_odds(probability: Column) -> Column:

@@ -24,10 +24,8 @@ _ITERATIONS_AGAIN = 6
 """For the spectrum, when a few more pairs have been found."""
 _LOST_SHARE = 0.3
 """When fewer of the droplets than this are found where the flow takes them, the flow is not what it was."""
-_ELECTED_SHARE = 0.15
 _LEAST_ELECTED = 4
-"""An election with fewer voices, in share or number, decides nothing."""
-_ELECTED_RATIO = (0.7, 1.4)
+"""An election of fewer droplets decides nothing."""
 _LEAST_SURPRISES = 0.5
 """A frame with fewer unexpected detections than this, on average, is not thought of."""
 
@@ -60,7 +58,7 @@ class ForwardStep:
         """Pairs under the flow that was, the flow of these pairs, and pairs under that."""
         predicted, association = self._associate(self.known.last, self.known.change_um_s2 * self.dt_s)
         flow = self.known.last
-        if flow is None or self._is_lost(association):
+        if self.known.may_be_sought and (flow is None or self._is_lost(association)):
             first = self._flow_from_nothing()
             if first is not None:
                 flow = first
@@ -114,11 +112,13 @@ class ForwardStep:
 
     def _flow_from_nothing(self) -> WaveFlow | None:
         """The flow by elected displacements, then by pairs and flow in turn."""
+        n_possible = min(len(self.droplets), len(self.detected))
         sinking_px = self.motion.sinking_px(np.exp(self.memory.log_r), self.dt_s)
         sunk = moved(self.droplets, sinking_px * (1 + self.known.stokes_error[0]))
-        pairs = elect_pairs(sunk, self.detected, spacing_px=self._spacing_px, similar_ratio=_ELECTED_RATIO)
-        n_possible = min(len(self.droplets), len(self.detected))
-        if len(pairs) < max(_LEAST_ELECTED, _ELECTED_SHARE * n_possible):
+        pairs = elect_pairs(sunk, self.detected, spacing_px=self._spacing_px)
+        if n_possible >= _LEAST_ELECTED:
+            self.known.note_search(has_failed=len(pairs) < _LEAST_ELECTED)
+        if len(pairs) < _LEAST_ELECTED:
             return None
         self.known.forget()
         seen = self._observe(pairs, np.ones(len(pairs)))

@@ -1,6 +1,6 @@
 """What is known of each droplet that is followed, beyond its place: its size and its own ways."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -27,8 +27,12 @@ class Memory:
     own_along_um_s: Column
     own_variance: Column
     """Of either component, (um/s)^2."""
-    n_unseen: Indices
+    evidence: Column
+    """How much more probable (ln) than chance the trajectory is so far."""
+    n_undetected: Indices
     """Frames since it was last detected."""
+    n_unseen: Indices
+    """Frames since it was last seen at all."""
 
     def __getitem__(self, which: npt.NDArray[np.bool_] | Indices) -> "Memory":
         return Memory(*(getattr(self, field.name)[which] for field in fields(self)))
@@ -39,7 +43,8 @@ class Memory:
         n, none = len(r_px), np.zeros(len(r_px))
         log_r_std = np.maximum(r_std_px / r_px, _LEAST_LOG_R_STD)
         own = np.full(n, own_variance)
-        return Memory(np.log(r_px), log_r_std**2, none, none, own, np.zeros(n, np.int64))
+        never = np.zeros(n, np.int64)
+        return Memory(np.log(r_px), log_r_std**2, none, none, own, none, never, never)
 
     @staticmethod
     def concatenate(parts: "list[Memory]") -> "Memory":
@@ -49,13 +54,12 @@ class Memory:
     def aged(self, dt_s: float, own_variance: float) -> "Memory":
         """The same droplets `dt_s` later, before they are looked at."""
         kept = _KEPT_PER_STEP
-        return Memory(
-            self.log_r,
-            self.log_r_variance + (_GROWTH_PER_S * dt_s) ** 2,
-            kept * self.own_across_um_s,
-            kept * self.own_along_um_s,
-            kept**2 * self.own_variance + (1 - kept**2) * own_variance,
-            self.n_unseen,
+        return replace(
+            self,
+            log_r_variance=self.log_r_variance + (_GROWTH_PER_S * dt_s) ** 2,
+            own_across_um_s=kept * self.own_across_um_s,
+            own_along_um_s=kept * self.own_along_um_s,
+            own_variance=kept**2 * self.own_variance + (1 - kept**2) * own_variance,
         )
 
     def measured(self, r_px: Column, r_std_px: Column) -> "Memory":
@@ -63,17 +67,14 @@ class Memory:
         seen_variance = np.maximum(r_std_px / r_px, _LEAST_LOG_R_STD) ** 2
         gain = self.log_r_variance / (self.log_r_variance + seen_variance)
         log_r = self.log_r + gain * (np.log(r_px) - self.log_r)
-        rest = [getattr(self, field.name) for field in fields(self)[2:]]
-        return Memory(np.asarray(log_r), np.asarray((1 - gain) * self.log_r_variance), *rest)
+        return replace(self, log_r=np.asarray(log_r), log_r_variance=np.asarray((1 - gain) * self.log_r_variance))
 
     def moved(self, across_um_s: Column, along_um_s: Column, variance: Column) -> "Memory":
         """With its velocity beyond flow and Stokes seen once more, with this error."""
         gain = self.own_variance / (self.own_variance + variance)
-        return Memory(
-            self.log_r,
-            self.log_r_variance,
-            np.asarray(self.own_across_um_s + gain * (across_um_s - self.own_across_um_s)),
-            np.asarray(self.own_along_um_s + gain * (along_um_s - self.own_along_um_s)),
-            np.asarray((1 - gain) * self.own_variance),
-            self.n_unseen,
+        return replace(
+            self,
+            own_across_um_s=np.asarray(self.own_across_um_s + gain * (across_um_s - self.own_across_um_s)),
+            own_along_um_s=np.asarray(self.own_along_um_s + gain * (along_um_s - self.own_along_um_s)),
+            own_variance=np.asarray((1 - gain) * self.own_variance),
         )

@@ -19,6 +19,8 @@ from dropflow.tracking.probable.least_squares import Model, Observations, normal
 from dropflow.tracking.probable.spectrum import N_COMMON
 from dropflow.tracking.probable.waves import Matrix, Waves
 
+_NODES_PER_LENGTH = 2.5
+
 
 @dataclass(frozen=True)
 class WaveFlow:
@@ -98,7 +100,7 @@ def solve(matrix: Matrix, vector: Column, prior: Column) -> tuple[Matrix, Column
 def nodes_over(grid: Grid, length_px: float) -> CornerGrid:
     """Points over the frame, as close as the error of the flow varies."""
     sizes = (grid.height_px, grid.width_px)
-    n_rows, n_columns = (1 + int(np.clip(np.ceil(2 * size / length_px), 4, 20)) for size in sizes)
+    n_rows, n_columns = (1 + int(np.clip(np.ceil(_NODES_PER_LENGTH * size / length_px), 4, 24)) for size in sizes)
     return CornerGrid(grid.height_px, grid.width_px, n_rows, n_columns)
 
 

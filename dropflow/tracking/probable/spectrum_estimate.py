@@ -77,10 +77,10 @@ def estimate_spectrum(
 def _climb(steps: list[Observations], model: Model, prior: _Prior, most_iterations: int) -> Spectrum:
     def loss(parameters: Column) -> tuple[float, Column]:
         penalty, slope = prior.penalty(parameters)
-        value, gradient = _evidence(steps, model, parameters)
+        value, gradient = evidence(steps, model, parameters)
         return penalty - value, slope - gradient
 
-    start = _parameters(model.spectrum)
+    start = parameters_of(model.spectrum)
     low, high = prior.mean - 4 * prior.std, prior.mean + 4 * prior.std
     result = minimize(
         loss,
@@ -93,7 +93,7 @@ def _climb(steps: list[Observations], model: Model, prior: _Prior, most_iteratio
     return _spectrum(np.asarray(result.x, np.float64))
 
 
-def _evidence(steps: list[Observations], model: Model, parameters: Column) -> tuple[float, Column]:
+def evidence(steps: list[Observations], model: Model, parameters: Column) -> tuple[float, Column]:
     """Logarithm of the evidence and its slope with each parameter."""
     at = replace(model, spectrum=_spectrum(parameters))
     value, gradient = 0.0, np.zeros(len(parameters))
@@ -148,7 +148,7 @@ def _spectrum(parameters: Column) -> Spectrum:
     )
 
 
-def _parameters(spectrum: Spectrum) -> Column:
+def parameters_of(spectrum: Spectrum) -> Column:
     odds = np.log(spectrum.potential_share / (1 - spectrum.potential_share))
     logs = np.log([spectrum.rms_um_s, spectrum.length_px, spectrum.broadness, spectrum.noise_um_s])
     return np.array([logs[0], logs[1], odds, logs[2], logs[3]])

@@ -154,6 +154,21 @@ def test_a_tiff_strip_inflates_no_further_than_the_page(tmp_path: Path) -> None:
         tracemalloc.stop()
 
 
+def test_a_still_that_claims_more_than_its_bytes_can_hold_is_refused(tmp_path: Path) -> None:
+    for form in ("png", "jpeg"):
+        packed = io.BytesIO()
+        Image.fromarray(np.zeros((64, 64), np.uint8)).save(packed, form)
+        content = bytearray(packed.getvalue())
+        if form == "jpeg":
+            at = content.index(b"\xff\xc0") + 5
+            content[at : at + 4] = struct.pack(">HH", 16000, 16000)
+        else:
+            content[16:24] = struct.pack(">II", 16000, 16000)
+            content[29:33] = struct.pack(">I", zlib.crc32(content[12:29]))
+        (tmp_path / f"frame.{form}").write_bytes(content)
+        assert "too little" in refusal(tmp_path / f"frame.{form}").message
+
+
 def test_a_jpeg_strip_that_claims_to_be_huge_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "frame.tif"
     tifffile.imwrite(path, np.zeros((64, 64), np.uint8), compression="jpeg", photometric="minisblack")

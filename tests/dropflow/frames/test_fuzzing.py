@@ -9,7 +9,7 @@ import pytest
 from tests.dropflow.frames.fuzzing import KINDS, SHORT_KINDS
 
 N_SHORT, N_WHOLE = 200, 2000
-MAX_GROWN_MB = 300
+MAX_GROWN_MB = 600
 
 
 def fuzz(kind: str, first_seed: int, n: int) -> dict[str, int]:

@@ -33,17 +33,17 @@ def tracked(
 
 
 def link_scores(given: Film, trajectories: pa.Table) -> tuple[float, float]:
-    """Precision and recall of the links of a table of trajectories."""
+    """Precision and recall of the links between detections in a table of trajectories."""
     index = [
         {place: k for k, place in enumerate(zip(seen.x_px.tolist(), seen.y_px.tolist(), strict=True))}
         for seen in given.frames
     ]
-    columns = [trajectories[name].to_pylist() for name in ("trajectory_id", "frame", "x_px", "y_px")]
-    rows = [(key, frame, index[frame][x, y]) for key, frame, x, y in zip(*columns, strict=True)]
+    names = ("trajectory_id", "frame", "x_px", "y_px", "is_detected")
+    rows = list(zip(*(trajectories[name].to_pylist() for name in names), strict=True))
     found = {
-        (frame, here, there)
-        for (key, frame, here), (next_key, next_frame, there) in itertools.pairwise(rows)
-        if key == next_key and next_frame == frame + 1
+        (frame, index[frame][x, y], index[frame + 1][next_x, next_y])
+        for (key, frame, x, y, is_here), (next_key, next_frame, next_x, next_y, is_there) in itertools.pairwise(rows)
+        if key == next_key and next_frame == frame + 1 and is_here and is_there
     }
     true = true_links(given)
     return len(found & true) / max(len(found), 1), len(found & true) / len(true)
