@@ -16,7 +16,8 @@ PAGE_SOURCES := $(shell find frontend -mindepth 1 \( -name node_modules -o -name
 # One thread a process: tests and workers run beside each other on few cores.
 ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 NUMBA_NUM_THREADS=1
 EXPORT := $(BIN)/uv export --frozen --no-emit-project --python 3.11 --quiet
-PYTEST := $(ONE_THREAD) $(BIN)/python -m pytest
+# A file's tests stay in one process, so that they share what it has set up.
+PYTEST := $(ONE_THREAD) $(BIN)/python -m pytest --numprocesses 2 --dist loadfile
 # So that a killed `make` takes the launcher with it; only Linux can.
 WITH_ME := $(if $(shell command -v setpriv),setpriv --pdeathsig TERM)
 

@@ -4,12 +4,14 @@ from collections.abc import Generator, Iterator
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Page
+from playwright.sync_api import Page, expect
 
 from tests.e2e.browser import open_page
 from tests.services import RunningService
 
 FAILED = pytest.StashKey[bool]()
+# Nothing here measures how quick the page is: a busy machine may take its time.
+expect.set_options(timeout=30_000)
 
 
 @pytest.hookimpl(wrapper=True)
