@@ -37,6 +37,8 @@ _CLEAR_SHARE = 0.6
 """So many elected need no more tolerance."""
 _VOTE = 4.0
 """How strongly one agreeing neighbour raises a candidate's odds in a round."""
+_NEGLIGIBLE = 1e-4
+"""A candidate less probable than this is voted for no more and has no voice."""
 _LEAST_AGREEMENT = 0.3
 """Share of the neighbours, beyond chance, that must stand behind a displacement."""
 
@@ -148,10 +150,14 @@ def _support(
     n_voters = voters.shape[1]
     for droplet in range(len(start) - 1):
         for choice in range(start[droplet], start[droplet + 1]):
+            if probability[choice] < _NEGLIGIBLE:
+                continue
             for rank in range(n_voters):
                 voter = voters[droplet, rank]
                 width = 2 * tolerance_px[droplet, rank] ** 2
                 for theirs in range(start[voter], start[voter + 1]):
+                    if probability[theirs] < _NEGLIGIBLE:
+                        continue
                     across = displacement_px[theirs, 0] - displacement_px[choice, 0]
                     along = displacement_px[theirs, 1] - displacement_px[choice, 1]
                     distance = (across * across + along * along) / width

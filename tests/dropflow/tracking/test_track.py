@@ -131,21 +131,22 @@ def test_the_flow_is_stored_for_each_step(method: str, tmp_path: Path) -> None:
 
 
 def test_killed_at_any_moment_it_goes_on_to_the_same_bytes(method: str, tmp_path: Path) -> None:
-    """SIGKILL in each pass; the process started again continues where the last checkpoint was."""
+    """SIGKILL in each pass; the process started again continues where the last checkpoint was.
+
+    The child kills itself: one killed from outside may, on a busy machine, have finished before.
+    """
     tracked(long_film(), tmp_path / "undisturbed", method)
     command = [sys.executable, "-m", "tests.dropflow.tracking.tracked", str(tmp_path / "killed"), method]
     starts = []
-    for victim_dies_at in (FRAMES_PER_PART + 20, 180, 300, None):
-        with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True) as child:
-            assert child.stdout is not None
-            counts = iter(int(line) for line in child.stdout)
-            starts.append(next(counts))
-            if victim_dies_at is None:
-                assert list(counts)[-1] == 440
-            else:
-                next(done for done in counts if done >= victim_dies_at)
-                child.send_signal(signal.SIGKILL)
-        assert child.returncode == (0 if victim_dies_at is None else -signal.SIGKILL)
+    for dies_at in (FRAMES_PER_PART + 20, 180, 300):
+        child = subprocess.run([*command, str(dies_at)], cwd=ROOT, capture_output=True, text=True)
+        assert child.returncode == -signal.SIGKILL, child.stderr
+        starts.append(int(child.stdout))
+    child = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    assert child.returncode == 0, child.stderr
+    start, end = map(int, child.stdout.split())
+    assert end == 440
+    starts.append(start)
     assert starts[0] == 0
     assert all(start > 0 for start in starts[1:])
     assert starts == sorted(starts)
@@ -230,8 +231,8 @@ def test_identical_frames_are_a_fluid_at_rest(method: str, tmp_path: Path) -> No
 def test_all_detections_at_one_place_are_survived(method: str, tmp_path: Path) -> None:
     """However many there are, each is in one trajectory at most."""
     one = film(flow=vortices(0, 300), n_frames=1).frames[0][:1]
-    heap = one[np.zeros(300, np.int64)]
-    assert len(read(tracked(still([heap] * 4), tmp_path, method))) <= 4 * 300
+    heap = one[np.zeros(60, np.int64)]
+    assert len(read(tracked(still([heap] * 4), tmp_path, method))) <= 4 * 60
 
 
 @pytest.mark.parametrize("times", [[0.0, 1.0, 1.0], [0.0, 2.0, 1.0], [0.0, float("nan"), 2.0]])

@@ -1,6 +1,8 @@
 """Tracks a generated film without images, and says how well its links are the true ones."""
 
 import itertools
+import os
+import signal
 import sys
 from pathlib import Path
 from typing import Any
@@ -59,15 +61,20 @@ def long_film() -> Film:
     return film(flow=vortices(8, 250), n_frames=110, n_droplets=40, found_share=0.95, n_false=5, seed=5)
 
 
-def main(folder: Path, method: str) -> None:
-    """Track the long film, saying how far it is, for a test that kills this process."""
+def main(folder: Path, method: str, dies_at: int | None) -> None:
+    """Track the long film, saying where it starts and ends; this process kills itself where it is told to."""
+    counts: list[int] = []
 
-    def say(stage: str, done: int, total: int) -> None:
-        sys.stdout.write(f"{done}\n")
-        sys.stdout.flush()
+    def note(stage: str, done: int, total: int) -> None:
+        counts.append(done)
+        if dies_at is not None and done >= dies_at:
+            sys.stdout.write(f"{counts[0]}\n")
+            sys.stdout.flush()
+            os.kill(os.getpid(), signal.SIGKILL)
 
-    tracked(long_film(), folder, method, progress=say)
+    tracked(long_film(), folder, method, progress=note)
+    sys.stdout.write(f"{counts[0]} {counts[-1]}\n")
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), sys.argv[2])
+    main(Path(sys.argv[1]), sys.argv[2], int(sys.argv[3]) if len(sys.argv) > 3 else None)
