@@ -4,18 +4,17 @@ from http import HTTPStatus
 from typing import Annotated
 from uuid import UUID
 
-from fastapi import APIRouter, Depends
+from fastapi import APIRouter, Depends, Query
 from fastapi.concurrency import run_in_threadpool
 from fastapi.sse import EventSourceResponse
 
 from backend.experiments import service
 from backend.experiments.errors import NoSuchExperiment, RunActive
-from backend.experiments.schemas import ChangeExperiment, Experiment, Experiments, NewExperiment
+from backend.experiments.schemas import ChangeExperiment, Experiment, ExperimentQuery, Experiments, NewExperiment
 from backend.people.errors import NoSuchGroup
 from backend.platform.dependencies import PlatformDependency, SessionDependency, ViewerDependency
 from backend.platform.events import experiment_topic
 from backend.platform.live import Changes, follow
-from backend.platform.pages import Cursor, Limit
 from backend.platform.problems import InvalidRequest, responses
 
 router = APIRouter(prefix="/experiments", tags=["experiments"])
@@ -23,10 +22,10 @@ router = APIRouter(prefix="/experiments", tags=["experiments"])
 
 @router.get("", responses=responses(InvalidRequest))
 def experiments_list(
-    session: SessionDependency, viewer: ViewerDependency, limit: Limit = 50, cursor: Cursor = None
+    session: SessionDependency, viewer: ViewerDependency, query: Annotated[ExperimentQuery, Query()]
 ) -> Experiments:
-    """List experiments, newest first."""
-    return service.page(session, viewer, limit, cursor)
+    """List experiments, newest first unless `sort` says otherwise."""
+    return service.page(session, viewer, query)
 
 
 @router.post("", status_code=HTTPStatus.CREATED, responses=responses(NoSuchGroup, InvalidRequest))

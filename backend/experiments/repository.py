@@ -1,14 +1,16 @@
 """Queries about experiments."""
 
-from collections.abc import Mapping, Sequence
-from datetime import datetime
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 from uuid import UUID
 
-from sqlalchemy import func, select, tuple_
+from sqlalchemy import ColumnElement, Text, exists, func, select
 from sqlalchemy.orm import Session
 
-from backend.models import Experiment, File, Run, Shard
+from backend.experiments.schemas import ExperimentQuery
+from backend.models import Experiment, File, Run, Shard, Stack
 from backend.models.states import ACTIVE_RUN_STATES, ShardState
+from backend.platform.pages import Order, page_of
 from backend.platform.visibility import Viewer, visible_experiments
 
 
@@ -25,14 +27,40 @@ def lock(session: Session, viewer: Viewer, experiment_id: UUID) -> Experiment | 
     return session.scalar(query.execution_options(populate_existing=True))
 
 
-def newest(
-    session: Session, viewer: Viewer, n: int, after: tuple[datetime, UUID] | None = None
-) -> Sequence[Experiment]:
-    """At most `n` experiments, newest first, after a place in that order."""
-    query = visible_experiments(viewer).order_by(Experiment.created_at.desc(), Experiment.id.desc()).limit(n)
-    if after is not None:
-        query = query.where(tuple_(Experiment.created_at, Experiment.id) < after)
-    return session.scalars(query).all()
+_NAME = func.lower(Experiment.document["name"].astext, type_=Text())
+_KEYS: dict[str, ColumnElement[Any]] = {
+    "created_at": Experiment.created_at.expression,
+    "updated_at": Experiment.updated_at.expression,
+    "name": _NAME,
+}
+
+
+def page(session: Session, viewer: Viewer, query: ExperimentQuery) -> tuple[Sequence[Experiment], str | None]:
+    """The experiments of one page, and the cursor of the next."""
+    key = _KEYS[query.sort.removeprefix("-")]
+    order = Order(query.sort, (key, Experiment.id.expression), query.sort.startswith("-"))
+    asked = visible_experiments(viewer).where(*_wanted(query))
+    return page_of(session, asked, order, limit=query.limit, cursor=query.cursor)
+
+
+def _wanted(query: ExperimentQuery) -> Iterator[ColumnElement[bool]]:
+    """One condition for each filter that is given."""
+    for word in (query.q or "").split():
+        yield func.concat_ws(
+            "\n", *(Experiment.document[field].astext for field in ("name", "notes", "tags"))
+        ).icontains(word, autoescape=True)
+    if query.tag is not None:
+        yield Experiment.document["tags"].contains([query.tag])
+    if query.group_id is not None:
+        yield Experiment.group_id == query.group_id
+    if query.stack_state is not None:
+        yield Experiment.stack.has(Stack.state == query.stack_state)
+    if query.run_state is not None:
+        yield exists().where(Run.experiment_id == Experiment.id, Run.state == query.run_state)
+    if query.created_from is not None:
+        yield Experiment.created_at >= query.created_from
+    if query.created_before is not None:
+        yield Experiment.created_at < query.created_before
 
 
 def files_of(session: Session, experiment_ids: Sequence[UUID]) -> Mapping[UUID, tuple[int, int]]:

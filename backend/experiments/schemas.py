@@ -1,16 +1,18 @@
 """Experiments as the API shows and takes them."""
 
 from datetime import datetime
-from typing import Any
+from enum import StrEnum
+from typing import Annotated, Any
 from uuid import UUID
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import AwareDatetime, BaseModel, ConfigDict, Field
 from pydantic.config import JsonDict
 
 from backend.models.states import RunState, StackState
 from backend.people.schemas import Group
-from backend.platform.pages import Page
+from backend.platform.pages import ListQuery, Page
 from backend.platform.problems import Problem
+from backend.platform.texts import Words
 from backend.runs.schemas import Stage
 
 EXAMPLE_DOCUMENT: JsonDict = {
@@ -74,6 +76,38 @@ class Experiment(BaseModel):
 
 class Experiments(Page[Experiment]):
     """Some experiments."""
+
+
+class ExperimentSort(StrEnum):
+    """What experiments are sorted by; a minus means the largest or latest first."""
+
+    NEWEST = "-created_at"
+    OLDEST = "created_at"
+    LAST_CHANGED = "-updated_at"
+    FIRST_CHANGED = "updated_at"
+    NAME = "name"
+    NAME_REVERSED = "-name"
+
+
+class ExperimentQuery(ListQuery):
+    """Which experiments, and in which order."""
+
+    sort: ExperimentSort = ExperimentSort.NEWEST
+    """The order."""
+    q: Annotated[Words, Field(max_length=200)] | None = None
+    """Words of the name, the notes or a tag, in any case; all of them must be there."""
+    tag: Annotated[Words, Field(max_length=100)] | None = None
+    """Experiments with exactly this tag."""
+    group_id: UUID | None = None
+    """Experiments of this group."""
+    stack_state: StackState | None = None
+    """Experiments whose frames are in this state."""
+    run_state: RunState | None = None
+    """Experiments that have a run in this state."""
+    created_from: AwareDatetime | None = None
+    """Made at this time or later."""
+    created_before: AwareDatetime | None = None
+    """Made before this time."""
 
 
 class NewExperiment(BaseModel):

@@ -16,14 +16,13 @@ from backend.people.service import group_for_new
 from backend.platform.dependencies import Platform
 from backend.platform.events import announce, experiment_topic
 from backend.platform.object_store import experiment_prefix
-from backend.platform.pages import decode_cursor, encode_cursor
-from backend.platform.problems import InvalidRequest, Problem
+from backend.platform.problems import Problem
 from backend.platform.texts import unstorable
 from backend.platform.visibility import Viewer
 from backend.runs import repository as runs_repository
 from backend.runs.progress import shown_stages
 from backend.runs.repository import Done
-from dropflow.errors import ExperimentError, FieldProblem
+from dropflow.errors import ExperimentError
 from dropflow.experiment import Experiment as Document
 from dropflow.experiment import parse_experiment
 from dropflow.physics.material import resolve
@@ -54,12 +53,10 @@ def get_locked(session: Session, viewer: Viewer, experiment_id: UUID) -> Experim
     return _there(repository.lock(session, viewer, experiment_id))
 
 
-def page(session: Session, viewer: Viewer, limit: int, cursor: str | None) -> schemas.Experiments:
-    """Experiments, newest first."""
-    found = repository.newest(session, viewer, limit + 1, _after(cursor))
-    shown = found[:limit]
-    next_cursor = encode_cursor(shown[-1].created_at, shown[-1].id) if len(found) > limit else None
-    return schemas.Experiments(items=shown_as(session, shown), next_cursor=next_cursor)
+def page(session: Session, viewer: Viewer, query: schemas.ExperimentQuery) -> schemas.Experiments:
+    """One page of experiments."""
+    found, next_cursor = repository.page(session, viewer, query)
+    return schemas.Experiments(items=shown_as(session, found), next_cursor=next_cursor)
 
 
 def create(session: Session, viewer: Viewer, document: dict[str, Any], group_id: UUID | None) -> Experiment:
@@ -189,15 +186,3 @@ def _there(experiment: Experiment | None) -> Experiment:
 def _refuse_during_run(session: Session, experiment: Experiment, doing: str) -> None:
     if repository.has_active_run(session, experiment.id):
         raise RunActive(doing)
-
-
-def _after(cursor: str | None) -> tuple[datetime, UUID] | None:
-    position = decode_cursor(cursor, 2)
-    if position is None:
-        return None
-    try:
-        return datetime.fromisoformat(position[0]), UUID(position[1])
-    except (TypeError, ValueError, AttributeError):
-        raise InvalidRequest(
-            "This is no cursor of this list.", fields=[FieldProblem("cursor", "is not valid")]
-        ) from None

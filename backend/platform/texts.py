@@ -1,7 +1,9 @@
 """Text from outside: what Postgres and UTF-8 cannot hold is refused with the name of the field."""
 
 from collections.abc import Iterator
-from typing import Any
+from typing import Annotated, Any
+
+from pydantic import AfterValidator
 
 from dropflow.errors import FieldProblem
 
@@ -22,3 +24,13 @@ def unstorable(document: Any, path: str = "") -> Iterator[FieldProblem]:
 def is_storable(text: str) -> bool:
     """Whether `text` can be kept as it is."""
     return "\0" not in text and not any("\ud800" <= character <= "\udfff" for character in text)
+
+
+def _storable(text: str) -> str:
+    if not is_storable(text):
+        raise ValueError("holds a character that is not text (NUL or an unpaired surrogate)")
+    return text
+
+
+Words = Annotated[str, AfterValidator(_storable)]
+"""Text that may be looked for."""

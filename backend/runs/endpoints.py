@@ -4,7 +4,7 @@ from http import HTTPStatus
 from typing import Annotated
 from uuid import UUID
 
-from fastapi import APIRouter, Depends
+from fastapi import APIRouter, Depends, Query
 from fastapi.concurrency import run_in_threadpool
 from fastapi.sse import EventSourceResponse
 
@@ -13,11 +13,10 @@ from backend.models.states import RUN_RULES, is_terminal
 from backend.platform.dependencies import PlatformDependency, SessionDependency, ViewerDependency
 from backend.platform.events import run_topic
 from backend.platform.live import Changes, follow
-from backend.platform.pages import Cursor, Limit
 from backend.platform.problems import InvalidRequest, responses
 from backend.runs import service
 from backend.runs.errors import NoSuchRun, RunActive, RunFinished, RunNotFailed
-from backend.runs.schemas import NewRun, Run, Runs
+from backend.runs.schemas import NewRun, Run, RunQuery, Runs
 from backend.stacks.errors import StackNotReady
 
 router = APIRouter(tags=["runs"])
@@ -25,10 +24,16 @@ router = APIRouter(tags=["runs"])
 
 @router.get("/experiments/{experiment_id}/runs", responses=responses(NoSuchExperiment, InvalidRequest))
 def runs_list(
-    session: SessionDependency, viewer: ViewerDependency, experiment_id: UUID, limit: Limit = 50, cursor: Cursor = None
+    session: SessionDependency, viewer: ViewerDependency, experiment_id: UUID, query: Annotated[RunQuery, Query()]
 ) -> Runs:
-    """List the runs of an experiment, newest first."""
-    return service.page(session, viewer, experiment_id, limit, cursor)
+    """List the runs of an experiment, newest first unless `sort` says otherwise."""
+    return service.page(session, viewer, query, experiment_id)
+
+
+@router.get("/runs", responses=responses(InvalidRequest))
+def runs_list_all(session: SessionDependency, viewer: ViewerDependency, query: Annotated[RunQuery, Query()]) -> Runs:
+    """List the runs of all experiments, newest first unless `sort` says otherwise."""
+    return service.page(session, viewer, query)
 
 
 @router.post(

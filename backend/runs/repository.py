@@ -1,15 +1,17 @@
 """Queries about runs."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from uuid import UUID
 
-from sqlalchemy import case, exists, func, select
+from sqlalchemy import ColumnElement, case, exists, func, select
 from sqlalchemy.dialects.postgresql import distinct_on
 from sqlalchemy.orm import Session
 
 from backend.models import Product, Run, Shard
+from backend.platform.pages import Order, page_of
 from backend.platform.visibility import Viewer, visible_runs
+from backend.runs.schemas import RunQuery
 
 
 def find(session: Session, viewer: Viewer, run_id: UUID) -> Run | None:
@@ -23,12 +25,26 @@ def lock(session: Session, viewer: Viewer, run_id: UUID) -> Run | None:
     return session.scalar(query.execution_options(populate_existing=True))
 
 
-def newest(session: Session, viewer: Viewer, experiment_id: UUID, n: int, below: int | None = None) -> Sequence[Run]:
-    """At most `n` runs of an experiment, newest first, with numbers below one."""
-    query = visible_runs(viewer).where(Run.experiment_id == experiment_id)
-    if below is not None:
-        query = query.where(Run.number < below)
-    return session.scalars(query.order_by(Run.number.desc()).limit(n)).all()
+def page(
+    session: Session, viewer: Viewer, query: RunQuery, experiment_id: UUID | None
+) -> tuple[Sequence[Run], str | None]:
+    """The runs of one page, of one experiment or of all, and the cursor of the next."""
+    keys = (Run.created_at.expression, Run.id.expression)
+    order = Order(query.sort, keys, query.sort.startswith("-"))
+    asked = visible_runs(viewer).where(*_wanted(query, experiment_id))
+    return page_of(session, asked, order, limit=query.limit, cursor=query.cursor)
+
+
+def _wanted(query: RunQuery, experiment_id: UUID | None) -> Iterator[ColumnElement[bool]]:
+    """One condition for each filter that is given."""
+    if experiment_id is not None:
+        yield Run.experiment_id == experiment_id
+    if query.state is not None:
+        yield Run.state == query.state
+    if query.created_from is not None:
+        yield Run.created_at >= query.created_from
+    if query.created_before is not None:
+        yield Run.created_at < query.created_before
 
 
 def latest(session: Session, experiment_ids: Sequence[UUID]) -> Mapping[UUID, Run]:

@@ -5,10 +5,10 @@ from enum import StrEnum
 from typing import Any
 from uuid import UUID
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import AwareDatetime, BaseModel, ConfigDict
 
 from backend.models.states import RunState, StageState
-from backend.platform.pages import Page
+from backend.platform.pages import ListQuery, Page
 from backend.platform.problems import Problem
 
 
@@ -58,6 +58,26 @@ class Run(BaseModel):
 
 class Runs(Page[Run]):
     """Some runs."""
+
+
+class RunSort(StrEnum):
+    """What runs are sorted by; a minus means the latest first."""
+
+    NEWEST = "-created_at"
+    OLDEST = "created_at"
+
+
+class RunQuery(ListQuery):
+    """Which runs, and in which order."""
+
+    sort: RunSort = RunSort.NEWEST
+    """The order."""
+    state: RunState | None = None
+    """Runs in this state."""
+    created_from: AwareDatetime | None = None
+    """Begun at this time or later."""
+    created_before: AwareDatetime | None = None
+    """Begun before this time."""
 
 
 class NewRun(BaseModel):

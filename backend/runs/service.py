@@ -15,15 +15,14 @@ from backend.models.states import ACTIVE_RUN_STATES, RUN_RULES, RunState, StackS
 from backend.platform.database import after_commit
 from backend.platform.dependencies import Platform
 from backend.platform.events import announce, experiment_topic, run_topic
-from backend.platform.pages import decode_cursor, encode_cursor
-from backend.platform.problems import InvalidRequest, Problem
+from backend.platform.problems import Problem
 from backend.platform.texts import unstorable
 from backend.platform.visibility import Viewer
 from backend.runs import repository, schemas
 from backend.runs.errors import NoSuchRun, RunActive, RunFinished, RunNotFailed
 from backend.runs.progress import shown_stages
 from backend.stacks.errors import StackNotReady
-from dropflow.errors import FieldProblem, ParametersError
+from dropflow.errors import ParametersError
 from dropflow.experiment import parse_experiment
 from dropflow.parameters import Parameters, parse_parameters
 from dropflow.preprocess.radius_range import radius_range_px
@@ -35,15 +34,12 @@ def get(session: Session, viewer: Viewer, run_id: UUID) -> Run:
     return _there(repository.find(session, viewer, run_id))
 
 
-def page(session: Session, viewer: Viewer, experiment_id: UUID, limit: int, cursor: str | None) -> schemas.Runs:
-    """Runs of an experiment, newest first."""
-    get_experiment(session, viewer, experiment_id)
-    position = decode_cursor(cursor, 1)
-    if position is not None and not isinstance(position[0], int):
-        raise InvalidRequest("This is no cursor of this list.", fields=[FieldProblem("cursor", "is not valid")])
-    found = repository.newest(session, viewer, experiment_id, limit + 1, position[0] if position else None)
-    items = shown_as(session, found[:limit])
-    return schemas.Runs(items=items, next_cursor=encode_cursor(items[-1].number) if len(found) > limit else None)
+def page(session: Session, viewer: Viewer, query: schemas.RunQuery, experiment_id: UUID | None = None) -> schemas.Runs:
+    """One page of the runs of an experiment, or of all experiments."""
+    if experiment_id is not None:
+        get_experiment(session, viewer, experiment_id)
+    found, next_cursor = repository.page(session, viewer, query, experiment_id)
+    return schemas.Runs(items=shown_as(session, found), next_cursor=next_cursor)
 
 
 def create(session: Session, platform: Platform, viewer: Viewer, experiment_id: UUID, document: dict[str, Any]) -> Run:

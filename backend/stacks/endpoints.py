@@ -10,13 +10,12 @@ from backend.experiments.errors import NoSuchExperiment
 from backend.experiments.schemas import Experiment
 from backend.experiments.service import shown
 from backend.platform.dependencies import PlatformDependency, SessionDependency, ViewerDependency
-from backend.platform.pages import Cursor, Limit
 from backend.platform.problems import InvalidRequest, responses
 from backend.stacks import service, upload
 from backend.stacks.errors import NoSpace, RunsExist, StackClosed, TooLarge, WrongKind
 from backend.stacks.images import as_webp
 from backend.stacks.pictures import read_frame
-from backend.stacks.schemas import File, Files, Role
+from backend.stacks.schemas import File, FileQuery, Files, Role
 
 router = APIRouter(prefix="/experiments/{experiment_id}", tags=["frames"])
 
@@ -32,10 +31,10 @@ _RAW_BODY = {
 
 @router.get("/files", responses=responses(NoSuchExperiment, InvalidRequest))
 def files_list(
-    session: SessionDependency, viewer: ViewerDependency, experiment_id: UUID, limit: Limit = 500, cursor: Cursor = None
+    session: SessionDependency, viewer: ViewerDependency, experiment_id: UUID, query: Annotated[FileQuery, Query()]
 ) -> Files:
-    """List the uploaded files, by role and name."""
-    return service.files(session, viewer, experiment_id, limit, cursor)
+    """List the uploaded files, by role and name unless `sort` says otherwise."""
+    return service.files(session, viewer, experiment_id, query)
 
 
 @router.put(

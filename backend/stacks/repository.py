@@ -3,22 +3,38 @@
 from collections.abc import Sequence
 from uuid import UUID
 
-from sqlalchemy import delete, func, select, tuple_
+from sqlalchemy import Select, delete, func, select
 from sqlalchemy.orm import Session
 
 from backend.models import Experiment, File, Run, Shard
+from backend.platform.pages import Order, page_of
 from backend.platform.visibility import Viewer, visible_experiments
+from backend.stacks.schemas import FileQuery
 
 
-def files(
-    session: Session, viewer: Viewer, experiment_id: UUID, n: int | None = None, after: tuple[str, str] | None = None
-) -> Sequence[File]:
-    """Files of an experiment by role and name, after a place in that order."""
+def files(session: Session, viewer: Viewer, experiment_id: UUID) -> Sequence[File]:
+    """Files of an experiment by role and name."""
+    return session.scalars(_files(viewer, experiment_id).order_by(File.role, File.name)).all()
+
+
+_BY_NAME = (File.role.expression, File.name.expression)
+_KEYS = {"name": _BY_NAME, "size_bytes": (File.size_bytes.expression, *_BY_NAME)}
+
+
+def page(session: Session, viewer: Viewer, query: FileQuery, experiment_id: UUID) -> tuple[Sequence[File], str | None]:
+    """The files of one page, and the cursor of the next."""
+    order = Order(query.sort, _KEYS[query.sort.removeprefix("-")], query.sort.startswith("-"))
+    asked = _files(viewer, experiment_id)
+    if query.role is not None:
+        asked = asked.where(File.role == query.role)
+    if query.q is not None:
+        asked = asked.where(File.name.icontains(query.q, autoescape=True))
+    return page_of(session, asked, order, limit=query.limit, cursor=query.cursor)
+
+
+def _files(viewer: Viewer, experiment_id: UUID) -> Select[File]:
     seen = visible_experiments(viewer).with_only_columns(Experiment.id)
-    query = select(File).where(File.experiment_id == experiment_id, File.experiment_id.in_(seen))
-    if after is not None:
-        query = query.where(tuple_(File.role, File.name) > after)
-    return session.scalars(query.order_by(File.role, File.name).limit(n)).all()
+    return select(File).where(File.experiment_id == experiment_id, File.experiment_id.in_(seen))
 
 
 def named(session: Session, experiment_id: UUID, role: str, name: str) -> File | None:

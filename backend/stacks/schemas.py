@@ -1,11 +1,13 @@
 """Uploaded files as the API shows them."""
 
 from enum import StrEnum
+from typing import Annotated
 from uuid import UUID
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict, Field
 
-from backend.platform.pages import Page
+from backend.platform.pages import ListQuery, Page
+from backend.platform.texts import Words
 
 
 class Role(StrEnum):
@@ -31,3 +33,25 @@ class File(BaseModel):
 
 class Files(Page[File]):
     """Some uploaded files."""
+
+
+class FileSort(StrEnum):
+    """What files are sorted by; a minus means the largest or last first."""
+
+    NAME = "name"
+    NAME_REVERSED = "-name"
+    SMALLEST = "size_bytes"
+    LARGEST = "-size_bytes"
+
+
+class FileQuery(ListQuery):
+    """Which files, and in which order."""
+
+    limit: Annotated[int, Field(ge=1, le=500)] = 500
+    """Most items to answer."""
+    sort: FileSort = FileSort.NAME
+    """The order. By name, the files of each role stand together."""
+    role: Role | None = None
+    """Files for this purpose."""
+    q: Annotated[Words, Field(max_length=200)] | None = None
+    """A part of the name, in any case."""

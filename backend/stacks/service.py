@@ -10,7 +10,6 @@ from backend.models.states import STACK_RULES, StackState, rule
 from backend.platform.database import after_commit
 from backend.platform.dependencies import Platform
 from backend.platform.events import announce, experiment_topic
-from backend.platform.pages import decode_cursor, encode_cursor
 from backend.platform.visibility import Viewer
 from backend.stacks import repository, schemas
 from backend.stacks.attachments import disagreements
@@ -18,15 +17,11 @@ from backend.stacks.errors import NoSuchFrame, RunsExist, StackClosed, StackEmpt
 from dropflow.errors import ExperimentError
 
 
-def files(session: Session, viewer: Viewer, experiment_id: UUID, limit: int, cursor: str | None) -> schemas.Files:
-    """The uploaded files, by role and name."""
+def files(session: Session, viewer: Viewer, experiment_id: UUID, query: schemas.FileQuery) -> schemas.Files:
+    """One page of the uploaded files."""
     get(session, viewer, experiment_id)
-    position = decode_cursor(cursor, 2)
-    after = (str(position[0]), str(position[1])) if position else None
-    found = repository.files(session, viewer, experiment_id, limit + 1, after)
-    shown = found[:limit]
-    next_cursor = encode_cursor(shown[-1].role, shown[-1].name) if len(found) > limit else None
-    return schemas.Files(items=[schemas.File.model_validate(file) for file in shown], next_cursor=next_cursor)
+    found, next_cursor = repository.page(session, viewer, query, experiment_id)
+    return schemas.Files(items=[schemas.File.model_validate(file) for file in found], next_cursor=next_cursor)
 
 
 def seal(session: Session, platform: Platform, viewer: Viewer, experiment_id: UUID) -> Experiment:

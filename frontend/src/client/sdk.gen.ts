@@ -2,7 +2,7 @@
 
 import type { Client, Options as Options2, TDataShape } from './client';
 import { client } from './client.gen';
-import type { DropletsGetData, DropletsGetErrors, DropletsGetResponses, ExperimentsCreateData, ExperimentsCreateErrors, ExperimentsCreateResponses, ExperimentsDeleteData, ExperimentsDeleteErrors, ExperimentsDeleteResponses, ExperimentsEventsData, ExperimentsEventsErrors, ExperimentsEventsResponses, ExperimentsGetData, ExperimentsGetErrors, ExperimentsGetResponses, ExperimentsListData, ExperimentsListErrors, ExperimentsListResponses, ExperimentsUpdateData, ExperimentsUpdateErrors, ExperimentsUpdateResponses, FiguresGetData, FiguresGetErrors, FiguresGetResponses, FilesListData, FilesListErrors, FilesListResponses, FilesUploadData, FilesUploadErrors, FilesUploadResponses, FlowGetData, FlowGetErrors, FlowGetResponses, FramesPictureData, FramesPictureErrors, FramesPictureResponses, HealthGetData, HealthGetErrors, HealthGetResponses, ResultFilesDownloadData, ResultFilesDownloadErrors, ResultFilesDownloadResponses, ResultFilesListData, ResultFilesListErrors, ResultFilesListResponses, RunsCancelData, RunsCancelErrors, RunsCancelResponses, RunsCreateData, RunsCreateErrors, RunsCreateResponses, RunsDeleteData, RunsDeleteErrors, RunsDeleteResponses, RunsEventsData, RunsEventsErrors, RunsEventsResponses, RunsGetData, RunsGetErrors, RunsGetResponses, RunsListData, RunsListErrors, RunsListResponses, RunsRetryData, RunsRetryErrors, RunsRetryResponses, SchemasGetExperimentData, SchemasGetExperimentErrors, SchemasGetExperimentResponses, SchemasGetParametersData, SchemasGetParametersErrors, SchemasGetParametersResponses, StackCompleteData, StackCompleteErrors, StackCompleteResponses, StackDeleteData, StackDeleteErrors, StackDeleteResponses } from './types.gen';
+import type { DropletsGetData, DropletsGetErrors, DropletsGetResponses, ExperimentsCreateData, ExperimentsCreateErrors, ExperimentsCreateResponses, ExperimentsDeleteData, ExperimentsDeleteErrors, ExperimentsDeleteResponses, ExperimentsEventsData, ExperimentsEventsErrors, ExperimentsEventsResponses, ExperimentsGetData, ExperimentsGetErrors, ExperimentsGetResponses, ExperimentsListData, ExperimentsListErrors, ExperimentsListResponses, ExperimentsUpdateData, ExperimentsUpdateErrors, ExperimentsUpdateResponses, FiguresGetData, FiguresGetErrors, FiguresGetResponses, FilesListData, FilesListErrors, FilesListResponses, FilesUploadData, FilesUploadErrors, FilesUploadResponses, FlowGetData, FlowGetErrors, FlowGetResponses, FramesPictureData, FramesPictureErrors, FramesPictureResponses, HealthGetData, HealthGetErrors, HealthGetResponses, ResultFilesDownloadData, ResultFilesDownloadErrors, ResultFilesDownloadResponses, ResultFilesListData, ResultFilesListErrors, ResultFilesListResponses, RunsCancelData, RunsCancelErrors, RunsCancelResponses, RunsCreateData, RunsCreateErrors, RunsCreateResponses, RunsDeleteData, RunsDeleteErrors, RunsDeleteResponses, RunsEventsData, RunsEventsErrors, RunsEventsResponses, RunsGetData, RunsGetErrors, RunsGetResponses, RunsListAllData, RunsListAllErrors, RunsListAllResponses, RunsListData, RunsListErrors, RunsListResponses, RunsRetryData, RunsRetryErrors, RunsRetryResponses, SchemasGetExperimentData, SchemasGetExperimentErrors, SchemasGetExperimentResponses, SchemasGetParametersData, SchemasGetParametersErrors, SchemasGetParametersResponses, StackCompleteData, StackCompleteErrors, StackCompleteResponses, StackDeleteData, StackDeleteErrors, StackDeleteResponses } from './types.gen';
 
 export type Options<TData extends TDataShape = TDataShape, ThrowOnError extends boolean = boolean, TResponse = unknown> = Options2<TData, ThrowOnError, TResponse> & {
     /**
@@ -21,7 +21,7 @@ export type Options<TData extends TDataShape = TDataShape, ThrowOnError extends 
 /**
  * Experiments List
  *
- * List experiments, newest first.
+ * List experiments, newest first unless `sort` says otherwise.
  */
 export const experimentsList = <ThrowOnError extends boolean = true>(options?: Options<ExperimentsListData, ThrowOnError>) => (options?.client ?? client).get<ExperimentsListResponses, ExperimentsListErrors, ThrowOnError>({ url: '/api/v1/experiments', ...options });
 
@@ -77,7 +77,7 @@ export const experimentsEvents = <ThrowOnError extends boolean = true>(options: 
 /**
  * Files List
  *
- * List the uploaded files, by role and name.
+ * List the uploaded files, by role and name unless `sort` says otherwise.
  */
 export const filesList = <ThrowOnError extends boolean = true>(options: Options<FilesListData, ThrowOnError>) => (options.client ?? client).get<FilesListResponses, FilesListErrors, ThrowOnError>({ url: '/api/v1/experiments/{experiment_id}/files', ...options });
 
@@ -106,7 +106,7 @@ export const framesPicture = <ThrowOnError extends boolean = true>(options: Opti
 /**
  * Runs List
  *
- * List the runs of an experiment, newest first.
+ * List the runs of an experiment, newest first unless `sort` says otherwise.
  */
 export const runsList = <ThrowOnError extends boolean = true>(options: Options<RunsListData, ThrowOnError>) => (options.client ?? client).get<RunsListResponses, RunsListErrors, ThrowOnError>({ url: '/api/v1/experiments/{experiment_id}/runs', ...options });
 
@@ -144,6 +144,13 @@ export const stackComplete = <ThrowOnError extends boolean = true>(options: Opti
  * Tell whether the service can do its work.
  */
 export const healthGet = <ThrowOnError extends boolean = true>(options?: Options<HealthGetData, ThrowOnError>) => (options?.client ?? client).get<HealthGetResponses, HealthGetErrors, ThrowOnError>({ url: '/api/v1/health', ...options });
+
+/**
+ * Runs List All
+ *
+ * List the runs of all experiments, newest first unless `sort` says otherwise.
+ */
+export const runsListAll = <ThrowOnError extends boolean = true>(options?: Options<RunsListAllData, ThrowOnError>) => (options?.client ?? client).get<RunsListAllResponses, RunsListAllErrors, ThrowOnError>({ url: '/api/v1/runs', ...options });
 
 /**
  * Runs Delete

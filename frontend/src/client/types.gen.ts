@@ -52,6 +52,13 @@ export type Experiment = {
 };
 
 /**
+ * ExperimentSort
+ *
+ * What experiments are sorted by; a minus means the largest or latest first.
+ */
+export type ExperimentSort = '-created_at' | 'created_at' | '-updated_at' | 'updated_at' | 'name' | '-name';
+
+/**
  * Experiments
  *
  * Some experiments.
@@ -134,6 +141,13 @@ export type File = {
      */
     size_bytes: number;
 };
+
+/**
+ * FileSort
+ *
+ * What files are sorted by; a minus means the largest or last first.
+ */
+export type FileSort = 'name' | '-name' | 'size_bytes' | '-size_bytes';
 
 /**
  * Files
@@ -445,6 +459,13 @@ export type Run = {
 };
 
 /**
+ * RunSort
+ *
+ * What runs are sorted by; a minus means the latest first.
+ */
+export type RunSort = '-created_at' | 'created_at';
+
+/**
  * RunState
  *
  * How far an analysis is.
@@ -621,9 +642,55 @@ export type ExperimentsListData = {
         /**
          * Cursor
          *
-         * `next_cursor` of the page before.
+         * `next_cursor` of the page before, asked for in the same order.
          */
         cursor?: string | null;
+        /**
+         * The order.
+         */
+        sort?: ExperimentSort;
+        /**
+         * Q
+         *
+         * Words of the name, the notes or a tag, in any case; all of them must be there.
+         */
+        q?: string | null;
+        /**
+         * Tag
+         *
+         * Experiments with exactly this tag.
+         */
+        tag?: string | null;
+        /**
+         * Group Id
+         *
+         * Experiments of this group.
+         */
+        group_id?: string | null;
+        /**
+         * Stack State
+         *
+         * Experiments whose frames are in this state.
+         */
+        stack_state?: StackState | null;
+        /**
+         * Run State
+         *
+         * Experiments that have a run in this state.
+         */
+        run_state?: RunState | null;
+        /**
+         * Created From
+         *
+         * Made at this time or later.
+         */
+        created_from?: string | null;
+        /**
+         * Created Before
+         *
+         * Made before this time.
+         */
+        created_before?: string | null;
     };
     url: '/api/v1/experiments';
 };
@@ -859,9 +926,25 @@ export type FilesListData = {
         /**
          * Cursor
          *
-         * `next_cursor` of the page before.
+         * `next_cursor` of the page before, asked for in the same order.
          */
         cursor?: string | null;
+        /**
+         * The order. By name, the files of each role stand together.
+         */
+        sort?: FileSort;
+        /**
+         * Role
+         *
+         * Files for this purpose.
+         */
+        role?: Role | null;
+        /**
+         * Q
+         *
+         * A part of the name, in any case.
+         */
+        q?: string | null;
     };
     url: '/api/v1/experiments/{experiment_id}/files';
 };
@@ -1032,9 +1115,31 @@ export type RunsListData = {
         /**
          * Cursor
          *
-         * `next_cursor` of the page before.
+         * `next_cursor` of the page before, asked for in the same order.
          */
         cursor?: string | null;
+        /**
+         * The order.
+         */
+        sort?: RunSort;
+        /**
+         * State
+         *
+         * Runs in this state.
+         */
+        state?: RunState | null;
+        /**
+         * Created From
+         *
+         * Begun at this time or later.
+         */
+        created_from?: string | null;
+        /**
+         * Created Before
+         *
+         * Begun before this time.
+         */
+        created_before?: string | null;
     };
     url: '/api/v1/experiments/{experiment_id}/runs';
 };
@@ -1219,6 +1324,70 @@ export type HealthGetResponses = {
 };
 
 export type HealthGetResponse = HealthGetResponses[keyof HealthGetResponses];
+
+export type RunsListAllData = {
+    body?: never;
+    path?: never;
+    query?: {
+        /**
+         * Limit
+         *
+         * Most items to answer.
+         */
+        limit?: number;
+        /**
+         * Cursor
+         *
+         * `next_cursor` of the page before, asked for in the same order.
+         */
+        cursor?: string | null;
+        /**
+         * The order.
+         */
+        sort?: RunSort;
+        /**
+         * State
+         *
+         * Runs in this state.
+         */
+        state?: RunState | null;
+        /**
+         * Created From
+         *
+         * Begun at this time or later.
+         */
+        created_from?: string | null;
+        /**
+         * Created Before
+         *
+         * Begun before this time.
+         */
+        created_before?: string | null;
+    };
+    url: '/api/v1/runs';
+};
+
+export type RunsListAllErrors = {
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type RunsListAllError = RunsListAllErrors[keyof RunsListAllErrors];
+
+export type RunsListAllResponses = {
+    /**
+     * Successful Response
+     */
+    200: Runs;
+};
+
+export type RunsListAllResponse = RunsListAllResponses[keyof RunsListAllResponses];
 
 export type RunsDeleteData = {
     body?: never;

@@ -3,8 +3,8 @@
 import { type InfiniteData, infiniteQueryOptions, queryOptions, type UseMutationOptions } from '@tanstack/react-query';
 
 import { client } from '../client.gen';
-import { dropletsGet, experimentsCreate, experimentsDelete, experimentsGet, experimentsList, experimentsUpdate, figuresGet, filesList, filesUpload, flowGet, framesPicture, healthGet, type Options, resultFilesDownload, resultFilesList, runsCancel, runsCreate, runsDelete, runsGet, runsList, runsRetry, schemasGetExperiment, schemasGetParameters, stackComplete, stackDelete } from '../sdk.gen';
-import type { DropletsGetData, DropletsGetError, DropletsGetResponse, ExperimentsCreateData, ExperimentsCreateError, ExperimentsCreateResponse, ExperimentsDeleteData, ExperimentsDeleteError, ExperimentsDeleteResponse, ExperimentsGetData, ExperimentsGetError, ExperimentsGetResponse, ExperimentsListData, ExperimentsListError, ExperimentsListResponse, ExperimentsUpdateData, ExperimentsUpdateError, ExperimentsUpdateResponse, FiguresGetData, FiguresGetError, FiguresGetResponse, FilesListData, FilesListError, FilesListResponse, FilesUploadData, FilesUploadError, FilesUploadResponse, FlowGetData, FlowGetError, FlowGetResponse, FramesPictureData, FramesPictureError, HealthGetData, HealthGetError, HealthGetResponse, ResultFilesDownloadData, ResultFilesDownloadError, ResultFilesDownloadResponse, ResultFilesListData, ResultFilesListError, ResultFilesListResponse, RunsCancelData, RunsCancelError, RunsCancelResponse, RunsCreateData, RunsCreateError, RunsCreateResponse, RunsDeleteData, RunsDeleteError, RunsDeleteResponse, RunsGetData, RunsGetError, RunsGetResponse, RunsListData, RunsListError, RunsListResponse, RunsRetryData, RunsRetryError, RunsRetryResponse, SchemasGetExperimentData, SchemasGetExperimentError, SchemasGetExperimentResponse, SchemasGetParametersData, SchemasGetParametersError, SchemasGetParametersResponse, StackCompleteData, StackCompleteError, StackCompleteResponse, StackDeleteData, StackDeleteError, StackDeleteResponse } from '../types.gen';
+import { dropletsGet, experimentsCreate, experimentsDelete, experimentsGet, experimentsList, experimentsUpdate, figuresGet, filesList, filesUpload, flowGet, framesPicture, healthGet, type Options, resultFilesDownload, resultFilesList, runsCancel, runsCreate, runsDelete, runsGet, runsList, runsListAll, runsRetry, schemasGetExperiment, schemasGetParameters, stackComplete, stackDelete } from '../sdk.gen';
+import type { DropletsGetData, DropletsGetError, DropletsGetResponse, ExperimentsCreateData, ExperimentsCreateError, ExperimentsCreateResponse, ExperimentsDeleteData, ExperimentsDeleteError, ExperimentsDeleteResponse, ExperimentsGetData, ExperimentsGetError, ExperimentsGetResponse, ExperimentsListData, ExperimentsListError, ExperimentsListResponse, ExperimentsUpdateData, ExperimentsUpdateError, ExperimentsUpdateResponse, FiguresGetData, FiguresGetError, FiguresGetResponse, FilesListData, FilesListError, FilesListResponse, FilesUploadData, FilesUploadError, FilesUploadResponse, FlowGetData, FlowGetError, FlowGetResponse, FramesPictureData, FramesPictureError, HealthGetData, HealthGetError, HealthGetResponse, ResultFilesDownloadData, ResultFilesDownloadError, ResultFilesDownloadResponse, ResultFilesListData, ResultFilesListError, ResultFilesListResponse, RunsCancelData, RunsCancelError, RunsCancelResponse, RunsCreateData, RunsCreateError, RunsCreateResponse, RunsDeleteData, RunsDeleteError, RunsDeleteResponse, RunsGetData, RunsGetError, RunsGetResponse, RunsListAllData, RunsListAllError, RunsListAllResponse, RunsListData, RunsListError, RunsListResponse, RunsRetryData, RunsRetryError, RunsRetryResponse, SchemasGetExperimentData, SchemasGetExperimentError, SchemasGetExperimentResponse, SchemasGetParametersData, SchemasGetParametersError, SchemasGetParametersResponse, StackCompleteData, StackCompleteError, StackCompleteResponse, StackDeleteData, StackDeleteError, StackDeleteResponse } from '../types.gen';
 
 export type QueryKey<TOptions extends Options> = [
     Pick<TOptions, 'baseUrl' | 'body' | 'headers' | 'path' | 'query'> & {
@@ -44,7 +44,7 @@ export const experimentsListQueryKey = (options?: Options<ExperimentsListData>) 
 /**
  * Experiments List
  *
- * List experiments, newest first.
+ * List experiments, newest first unless `sort` says otherwise.
  */
 export const experimentsListOptions = (options?: Options<ExperimentsListData>) => queryOptions<ExperimentsListResponse, ExperimentsListError, ExperimentsListResponse, ReturnType<typeof experimentsListQueryKey>>({
     queryFn: async ({ queryKey, signal }) => {
@@ -93,7 +93,7 @@ export const experimentsListInfiniteQueryKey = (options?: Options<ExperimentsLis
 /**
  * Experiments List
  *
- * List experiments, newest first.
+ * List experiments, newest first unless `sort` says otherwise.
  */
 export const experimentsListInfiniteOptions = (options?: Options<ExperimentsListData>) => infiniteQueryOptions<ExperimentsListResponse, ExperimentsListError, InfiniteData<ExperimentsListResponse>, QueryKey<Options<ExperimentsListData>>, string | null | Pick<QueryKey<Options<ExperimentsListData>>[0], 'body' | 'headers' | 'path' | 'query'>>(
 // @ts-ignore
@@ -199,7 +199,7 @@ export const filesListQueryKey = (options: Options<FilesListData>) => createQuer
 /**
  * Files List
  *
- * List the uploaded files, by role and name.
+ * List the uploaded files, by role and name unless `sort` says otherwise.
  */
 export const filesListOptions = (options: Options<FilesListData>) => queryOptions<FilesListResponse, FilesListError, FilesListResponse, ReturnType<typeof filesListQueryKey>>({
     queryFn: async ({ queryKey, signal }) => {
@@ -219,7 +219,7 @@ export const filesListInfiniteQueryKey = (options: Options<FilesListData>): Quer
 /**
  * Files List
  *
- * List the uploaded files, by role and name.
+ * List the uploaded files, by role and name unless `sort` says otherwise.
  */
 export const filesListInfiniteOptions = (options: Options<FilesListData>) => infiniteQueryOptions<FilesListResponse, FilesListError, InfiniteData<FilesListResponse>, QueryKey<Options<FilesListData>>, string | null | Pick<QueryKey<Options<FilesListData>>[0], 'body' | 'headers' | 'path' | 'query'>>(
 // @ts-ignore
@@ -287,7 +287,7 @@ export const runsListQueryKey = (options: Options<RunsListData>) => createQueryK
 /**
  * Runs List
  *
- * List the runs of an experiment, newest first.
+ * List the runs of an experiment, newest first unless `sort` says otherwise.
  */
 export const runsListOptions = (options: Options<RunsListData>) => queryOptions<RunsListResponse, RunsListError, RunsListResponse, ReturnType<typeof runsListQueryKey>>({
     queryFn: async ({ queryKey, signal }) => {
@@ -307,7 +307,7 @@ export const runsListInfiniteQueryKey = (options: Options<RunsListData>): QueryK
 /**
  * Runs List
  *
- * List the runs of an experiment, newest first.
+ * List the runs of an experiment, newest first unless `sort` says otherwise.
  */
 export const runsListInfiniteOptions = (options: Options<RunsListData>) => infiniteQueryOptions<RunsListResponse, RunsListError, InfiniteData<RunsListResponse>, QueryKey<Options<RunsListData>>, string | null | Pick<QueryKey<Options<RunsListData>>[0], 'body' | 'headers' | 'path' | 'query'>>(
 // @ts-ignore
@@ -406,6 +406,55 @@ export const healthGetOptions = (options?: Options<HealthGetData>) => queryOptio
         return data;
     },
     queryKey: healthGetQueryKey(options)
+});
+
+export const runsListAllQueryKey = (options?: Options<RunsListAllData>) => createQueryKey('runsListAll', options);
+
+/**
+ * Runs List All
+ *
+ * List the runs of all experiments, newest first unless `sort` says otherwise.
+ */
+export const runsListAllOptions = (options?: Options<RunsListAllData>) => queryOptions<RunsListAllResponse, RunsListAllError, RunsListAllResponse, ReturnType<typeof runsListAllQueryKey>>({
+    queryFn: async ({ queryKey, signal }) => {
+        const { data } = await runsListAll({
+            ...options,
+            ...queryKey[0],
+            signal,
+            throwOnError: true
+        });
+        return data;
+    },
+    queryKey: runsListAllQueryKey(options)
+});
+
+export const runsListAllInfiniteQueryKey = (options?: Options<RunsListAllData>): QueryKey<Options<RunsListAllData>> => createQueryKey('runsListAll', options, true);
+
+/**
+ * Runs List All
+ *
+ * List the runs of all experiments, newest first unless `sort` says otherwise.
+ */
+export const runsListAllInfiniteOptions = (options?: Options<RunsListAllData>) => infiniteQueryOptions<RunsListAllResponse, RunsListAllError, InfiniteData<RunsListAllResponse>, QueryKey<Options<RunsListAllData>>, string | null | Pick<QueryKey<Options<RunsListAllData>>[0], 'body' | 'headers' | 'path' | 'query'>>(
+// @ts-ignore
+{
+    queryFn: async ({ pageParam, queryKey, signal }) => {
+        // @ts-ignore
+        const page: Pick<QueryKey<Options<RunsListAllData>>[0], 'body' | 'headers' | 'path' | 'query'> = typeof pageParam === 'object' ? pageParam : {
+            query: {
+                cursor: pageParam
+            }
+        };
+        const params = createInfiniteParams(queryKey, page);
+        const { data } = await runsListAll({
+            ...options,
+            ...params,
+            signal,
+            throwOnError: true
+        });
+        return data;
+    },
+    queryKey: runsListAllInfiniteQueryKey(options)
 });
 
 /**
