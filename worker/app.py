@@ -1,9 +1,8 @@
-"""The Celery application: `celery -A worker.app worker -Q interactive,shards,sequential`."""
+"""The Celery application: `celery -A worker.app worker -Q interactive,shards,sequential,ingest`."""
 
 import atexit
 import os
 from typing import Any
-from uuid import UUID
 
 import cv2
 import structlog
@@ -14,7 +13,7 @@ from backend.platform.queue import TASK_NAME, make_celery
 from backend.platform.settings import environment_settings
 from worker.context import holders_of_this_worker, process_context
 from worker.outcomes import give_back_all
-from worker.shards import look_at
+from worker.shards import look_in
 from worker.work_folders import sweep
 
 settings = environment_settings()
@@ -23,9 +22,9 @@ log = structlog.get_logger()
 
 
 @app.task(name=TASK_NAME)  # type: ignore[untyped-decorator]
-def look_at_shard(shard_id: str) -> None:
-    """Look at one shard."""
-    look_at(process_context(), UUID(shard_id))
+def look_for_work(queue: str) -> None:
+    """Do one shard of those that wait in a queue."""
+    look_in(process_context(), queue)
 
 
 @signals.setup_logging.connect  # type: ignore[untyped-decorator]

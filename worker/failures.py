@@ -1,5 +1,8 @@
 """A shard that cannot be done takes what it belongs to with it: its run fails, or its stack is rejected."""
 
+import errno
+import os
+
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
@@ -41,14 +44,40 @@ def reject_stack(session: Session, experiment: Experiment, problem: Problem) -> 
     announce(session, experiment_topic(experiment.id))
 
 
-def unexpected(error: Exception) -> Problem:
-    """A fault that nobody foresaw, in words for people; the log has the trace."""
+def cause_of(error: Exception, claim: Claim) -> Problem:
+    """A fault that is not the frames' own, in words for people. What the error itself says is for the log alone."""
+    return no_space() if _is_disk_full(error) else _unexpected(error, claim)
+
+
+def no_space() -> Problem:
+    """What was made could not be kept."""
+    return Problem(
+        title="Insufficient Storage",
+        status=507,
+        code="run.no_space",
+        detail="The service has no space left on its disk for what this makes.",
+        hint="Free some space (results or frames that are not needed), then try again: it goes on with what is done.",
+    )
+
+
+def _is_disk_full(error: BaseException | None) -> bool:
+    """Libraries wrap the system's error in their own, and some keep only its words."""
+    while error is not None:
+        if getattr(error, "errno", None) in (errno.ENOSPC, errno.EDQUOT) or os.strerror(errno.ENOSPC) in str(error):
+            return True
+        error = error.__cause__ or error.__context__
+    return False
+
+
+def _unexpected(error: Exception, claim: Claim) -> Problem:
+    where = f" of frames {claim.start_frame} to {claim.stop_frame - 1}" if claim.stop_frame > claim.start_frame else ""
     return Problem(
         title="Internal Server Error",
         status=500,
         code="run.internal",
-        detail=f"An unexpected error occurred {MAX_ATTEMPTS} times ({type(error).__name__}: {error}).",
-        hint="Please report it with the service's log. To try again goes on with what is done already.",
+        detail=f"An unexpected error ({type(error).__name__}) occurred {MAX_ATTEMPTS} times in {claim.task}{where}.",
+        hint=f"Please report it with the lines of the service's log that name shard {claim.shard_id}. "
+        "To try again goes on with what is done already.",
     )
 
 

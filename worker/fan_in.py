@@ -70,6 +70,7 @@ def _row(run: Run, shard: NewShard, product_id: UUID | None) -> Shard:
     row = Shard(
         experiment_id=run.experiment_id,
         run_id=run.id,
+        person_id=run.person_id,
         task=shard.task,
         start_frame=shard.frames.start,
         stop_frame=shard.frames.stop,
@@ -114,4 +115,4 @@ def _end_stage(session: Session, run: Run, task: Task) -> None:
 
 
 def _sender(context: Context, shard: Shard) -> Callable[[], None]:
-    return lambda: context.queue.send(shard.id, shard.task)
+    return lambda: context.queue.wake(shard.task)

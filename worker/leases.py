@@ -11,7 +11,7 @@ from typing import Any
 from uuid import UUID
 
 import structlog
-from sqlalchemy import ColumnElement, and_, exists, func, or_, select, update
+from sqlalchemy import ColumnElement, ScalarSelect, and_, exists, func, or_, select, update
 from sqlalchemy.exc import OperationalError
 from sqlalchemy.orm import Session
 
@@ -50,14 +50,13 @@ class Claim:
         return (run_topic(self.run_id),) if self.run_id else (experiment_topic(self.experiment_id),)
 
 
-def claim(session: Session, shard_id: UUID, *, holder: str, lease_s: float) -> Claim | None:
+def claim(session: Session, which: UUID | ScalarSelect[UUID], *, holder: str, lease_s: float) -> Claim | None:
     """Take a shard that nobody holds; None if there is nothing to take. One statement: two never get the same."""
-    wanted = or_(Shard.run_id.is_(None), _run_goes_on())
     rules = rule(SHARD_RULES, "claim")
     free = or_(Shard.state.in_(rules.sources), and_(Shard.state == ShardState.RUNNING, is_expired()))
     row = session.execute(
         update(Shard)
-        .where(Shard.id == shard_id, free, Shard.attempts < MAX_ATTEMPTS, wanted)
+        .where(Shard.id == which, free, is_wanted())
         .values(
             state=rules.target,
             fence=Shard.fence + 1,
@@ -65,7 +64,10 @@ def claim(session: Session, shard_id: UUID, *, holder: str, lease_s: float) -> C
             holder=holder,
             lease_until=_in(lease_s),
             done_frames=0,
-            started_at=func.now(),
+            n_paces=0,
+            seconds_per_frame=None,
+            seconds_per_frame_std=None,
+            started_at=func.clock_timestamp(),
         )
         .returning(
             Shard.id,
@@ -80,6 +82,11 @@ def claim(session: Session, shard_id: UUID, *, holder: str, lease_s: float) -> C
         )
     ).one_or_none()
     return None if row is None else Claim(*row)
+
+
+def is_wanted() -> ColumnElement[bool]:
+    """That a shard is still to be done, and was not tried too often."""
+    return and_(Shard.attempts < MAX_ATTEMPTS, or_(Shard.run_id.is_(None), _run_goes_on()))
 
 
 def held(claim: Claim) -> tuple[ColumnElement[bool], ...]:
@@ -168,7 +175,10 @@ class Lease:
 
 
 def _run_goes_on() -> ColumnElement[bool]:
-    return exists().where(Run.id == Shard.run_id, Run.state.in_(ACTIVE_RUN_STATES), Run.cancel_requested_at.is_(None))
+    goes_on = exists().where(
+        Run.id == Shard.run_id, Run.state.in_(ACTIVE_RUN_STATES), Run.cancel_requested_at.is_(None)
+    )
+    return goes_on.correlate(Shard)
 
 
 def _in(seconds: float) -> ColumnElement[Any]:

@@ -119,10 +119,10 @@ def send_again(context: Context) -> None:
                 update(Shard)
                 .where(Shard.id.in_(waiting), Shard.state == ShardState.QUEUED)
                 .values(sent_at=func.clock_timestamp())
-                .returning(Shard.id, Shard.task, Shard.start_frame)
+                .returning(Shard.task)
             ).all()
-        for shard_id, task, _ in sorted(sent, key=lambda row: row.start_frame):
-            context.queue.send(shard_id, task)
+        for (task,) in sent:
+            context.queue.wake(task)
 
 
 def _is_overdue(resend_after_s: float) -> ColumnElement[bool]:

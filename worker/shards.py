@@ -4,16 +4,19 @@ from collections.abc import Callable, Mapping
 from uuid import UUID
 
 import structlog
+from sqlalchemy import ScalarSelect
 
 from backend.platform.object_store import product_prefix
 from backend.platform.problems import problem_of
+from backend.platform.queue import QUEUE_OF_TASK
 from dropflow.errors import Cancelled, DropflowError
 from worker import analyse, detect, ingest, outcomes, prepare, track
 from worker.context import Context
-from worker.failures import fail, unexpected
+from worker.failures import cause_of, fail
 from worker.leases import MAX_ATTEMPTS, Claim, Lease, LeaseLost, claim
 from worker.outcomes import is_published
 from worker.plan import Task
+from worker.turns import whose_turn
 from worker.work_folders import sweep
 
 WORK: Mapping[Task, Callable[[Context, Lease], None]] = {
@@ -26,13 +29,18 @@ WORK: Mapping[Task, Callable[[Context, Lease], None]] = {
 log = structlog.get_logger()
 
 
-def look_at(context: Context, shard_id: UUID) -> None:
+def look_in(context: Context, queue: str) -> None:
+    """Do the shard whose turn it is in a queue, if there is one."""
+    look_at(context, whose_turn([Task(task) for task, its_queue in QUEUE_OF_TASK.items() if its_queue == queue]))
+
+
+def look_at(context: Context, which: UUID | ScalarSelect[UUID]) -> None:
     """Do a shard if it is to be done. Asked twice, or too late, this changes nothing."""
     with context.sessions.begin() as session:
-        taken = claim(session, shard_id, holder=context.holder, lease_s=context.settings.lease_s)
+        taken = claim(session, which, holder=context.holder, lease_s=context.settings.lease_s)
     if taken is None:
         return
-    with structlog.contextvars.bound_contextvars(shard=str(shard_id), task=taken.task, fence=taken.fence):
+    with structlog.contextvars.bound_contextvars(shard=str(taken.shard_id), task=taken.task, fence=taken.fence):
         try:
             _do(context, taken)
         except LeaseLost:
@@ -60,7 +68,7 @@ def _do(context: Context, taken: Claim) -> None:
         if taken.attempts < MAX_ATTEMPTS:
             outcomes.give_back(context, taken)
         else:
-            fail(context, taken, unexpected(error))
+            fail(context, taken, cause_of(error, taken))
 
 
 def _remove_output(context: Context, taken: Claim) -> None:

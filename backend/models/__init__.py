@@ -3,7 +3,7 @@
 from backend.models.base import Base
 from backend.models.experiments import Experiment, File, Stack
 from backend.models.people import Group, Membership, Person
-from backend.models.runs import DoomedObject, FrameSummary, Product, Run, Shard, Stage
+from backend.models.runs import DoomedObject, FrameSummary, Product, Run, Shard, Speed, Stage
 
 __all__ = [
     "Base",
@@ -17,6 +17,7 @@ __all__ = [
     "Product",
     "Run",
     "Shard",
+    "Speed",
     "Stack",
     "Stage",
 ]

@@ -3,7 +3,7 @@
 from datetime import datetime
 from uuid import UUID
 
-from sqlalchemy import ForeignKey, Index, LargeBinary, String, UniqueConstraint
+from sqlalchemy import ForeignKey, Index, LargeBinary, String, UniqueConstraint, func
 from sqlalchemy.orm import Mapped, mapped_column, relationship
 
 from backend.models.base import Base, Dated, Identified, Json, one_of
@@ -18,12 +18,18 @@ class Run(Identified, Dated, Base):
     __table_args__ = (UniqueConstraint("experiment_id", "number"),)
 
     experiment_id: Mapped[UUID] = mapped_column(ForeignKey("experiment.id", ondelete="CASCADE"))
+    person_id: Mapped[UUID | None] = mapped_column(ForeignKey("person.id", ondelete="SET NULL"))
+    """Who started it."""
     number: Mapped[int]
     state: Mapped[RunState] = mapped_column(one_of(RunState), default=RunState.QUEUED)
     parameters: Mapped[Json]
     document: Mapped[Json]
     """The experiment as it was described when the run began."""
     version: Mapped[str] = mapped_column(String(50))
+    source_digest: Mapped[str | None] = mapped_column(String(64))
+    """Checksum of the code that worked on it."""
+    stack_checksum: Mapped[str | None] = mapped_column(String(64))
+    """Of the frames that it analyses."""
     problem: Mapped[Json | None]
     summary: Mapped[Json | None]
     warnings: Mapped[list[str]] = mapped_column(default=list)
@@ -55,11 +61,17 @@ class Product(Identified, Dated, Base):
     """What one piece of work made, addressed by what went in; runs whose input is the same share it."""
 
     __tablename__ = "product"
-    __table_args__ = (Index(None, "experiment_id", "input_key"),)
+    __table_args__ = (Index(None, "experiment_id", "input_key"), Index(None, "experiment_id", "film_key"))
 
     experiment_id: Mapped[UUID] = mapped_column(ForeignKey("experiment.id", ondelete="CASCADE"))
     task: Mapped[str] = mapped_column(String(20))
     input_key: Mapped[str] = mapped_column(String(64))
+    film_key: Mapped[str | None] = mapped_column(String(64))
+    """The same for all ranges of frames that went through the same detection, however a film was divided."""
+    start_frame: Mapped[int] = mapped_column(default=0)
+    stop_frame: Mapped[int] = mapped_column(default=0)
+    missing_frames: Mapped[list[Json]] = mapped_column(default=list)
+    """Frames that could not be read and may be missing: `frame`, `file`, `message`."""
     prefix: Mapped[str] = mapped_column(String(300))
     """Where its objects are."""
     files: Mapped[list[Json]]
@@ -91,15 +103,24 @@ class Shard(Identified, Dated, Base):
         UniqueConstraint("run_id", "task", "start_frame"),
         Index(None, "experiment_id"),
         Index("ix_shard_open", "state", "lease_until", postgresql_where="state IN ('queued', 'running')"),
+        Index(None, "person_id", "started_at"),
     )
 
     experiment_id: Mapped[UUID] = mapped_column(ForeignKey("experiment.id", ondelete="CASCADE"))
     run_id: Mapped[UUID | None] = mapped_column(ForeignKey("run.id", ondelete="CASCADE"))
+    person_id: Mapped[UUID | None] = mapped_column(ForeignKey("person.id", ondelete="SET NULL"))
+    """For whom it is done: workers are shared fairly between people."""
     task: Mapped[str] = mapped_column(String(20))
     start_frame: Mapped[int] = mapped_column(default=0)
     stop_frame: Mapped[int] = mapped_column(default=0)
     state: Mapped[ShardState] = mapped_column(one_of(ShardState), default=ShardState.QUEUED)
     done_frames: Mapped[int] = mapped_column(default=0)
+    n_paces: Mapped[int] = mapped_column(default=0)
+    """How many stretches of work were timed."""
+    seconds_per_frame: Mapped[float | None]
+    """Their mean."""
+    seconds_per_frame_std: Mapped[float | None]
+    """How much they differ."""
     input_key: Mapped[str | None] = mapped_column(String(64))
     product_id: Mapped[UUID | None] = mapped_column(ForeignKey("product.id"), index=True)
     is_reused: Mapped[bool] = mapped_column(default=False)
@@ -112,6 +133,16 @@ class Shard(Identified, Dated, Base):
     """When a message about it last went out."""
     started_at: Mapped[datetime | None]
     finished_at: Mapped[datetime | None]
+
+
+class Speed(Base):
+    """How fast this deployment does a kind of work, as measured; shards are sized by it."""
+
+    __tablename__ = "speed"
+
+    kind: Mapped[str] = mapped_column(String(50), primary_key=True)
+    seconds_per_megapixel: Mapped[float]
+    measured_at: Mapped[datetime] = mapped_column(server_default=func.now(), onupdate=func.now())
 
 
 class DoomedObject(Dated, Base):

@@ -1,7 +1,6 @@
-"""Messages to workers: each says only "look at shard N". A lost one is sent again, a double one does no harm."""
+"""Messages to workers: each says only "there is work in your queue". A lost one is sent again, a double one is idle."""
 
 import time
-from uuid import UUID
 
 import redis
 import structlog
@@ -11,23 +10,26 @@ from redis.backoff import NoBackoff
 from redis.exceptions import RedisError
 from redis.retry import Retry
 
-TASK_NAME = "worker.look_at_shard"
+TASK_NAME = "worker.look_for_work"
 QUEUE_OF_TASK = {
-    "ingest": "interactive",
-    "prepare": "interactive",
+    "ingest": "ingest",
+    "prepare": "shards",
     "detect": "shards",
     "track": "sequential",
-    "analyse": "sequential",
+    "analyse": "shards",
 }
-"""Somebody waits for what is interactive; what is sequential takes long on one core."""
+"""What takes seconds does not stand behind what takes hours: reading all frames, or tracking on one core."""
 
-LONGEST_S = {"prepare": 1800, "detect": 1800}
+INTERACTIVE = "interactive"
+"""The queue of what somebody looks at the page for; nothing longer than that ever waits in it."""
+
+LONGEST_S = {"shards": 1800, INTERACTIVE: 300}
 """A process that is still at it after so long hangs; it is ended, and the work tried again. Others take as they do."""
 
 AWAY_S = 2.0
 """So long after a failure nothing is sent: there may be thousands of messages, each of which would have to fail."""
 
-QUEUES = tuple(dict.fromkeys(QUEUE_OF_TASK.values()))
+QUEUES = (*dict.fromkeys(QUEUE_OF_TASK.values()), INTERACTIVE)
 log = structlog.get_logger()
 
 
@@ -66,18 +68,19 @@ class Queue:
         )
         self._is_away_until_s = 0.0
 
-    def send(self, shard_id: UUID, task: str) -> None:
-        """Ask for a worker to look at a shard."""
+    def wake(self, task: str) -> None:
+        """Ask for a worker to look for work of this kind. Whose turn it is, the worker finds in the database."""
         if time.monotonic() < self._is_away_until_s:
             return
-        longest_s = LONGEST_S.get(task)
+        queue = QUEUE_OF_TASK[task]
+        longest_s = LONGEST_S.get(queue)
         limits = {} if longest_s is None else {"soft_time_limit": longest_s, "time_limit": longest_s + 60}
         try:
             self._broker.ping()  # Celery would try to connect for seconds, and somebody may be waiting for an answer
-            self._celery.send_task(TASK_NAME, [str(shard_id)], queue=QUEUE_OF_TASK[task], retry=False, **limits)
+            self._celery.send_task(TASK_NAME, [queue], queue=queue, retry=False, **limits)
         except (OperationalError, RedisError, OSError) as problem:
             self._is_away_until_s = time.monotonic() + AWAY_S
-            log.warning("message not sent", shard=str(shard_id), reason=str(problem))
+            log.warning("message not sent", queue=queue, reason=str(problem))
 
     def n_waiting(self, queue: str) -> int:
         """Messages that no worker has taken yet."""

@@ -53,10 +53,12 @@ def create(session: Session, platform: Platform, viewer: Viewer, experiment_id: 
     radius_range_px(parse_experiment(experiment.document), parameters, (stack.rows, stack.columns))
     run = Run(
         experiment_id=experiment.id,
+        person_id=viewer.person_id,
         number=repository.last_number(session, experiment.id) + 1,
         parameters=parameters.model_dump(mode="json"),
         document=experiment.document,
         version=code_version(),
+        stack_checksum=stack.checksum,
         stages=[
             Stage(name=name, position=position, total_frames=n_frames)
             for position, name in enumerate(schemas.StageName)
@@ -64,12 +66,12 @@ def create(session: Session, platform: Platform, viewer: Viewer, experiment_id: 
     )
     session.add(run)
     session.flush()
-    shard = Shard(experiment_id=experiment.id, run_id=run.id, task="prepare")
+    shard = Shard(experiment_id=experiment.id, run_id=run.id, person_id=viewer.person_id, task="prepare")
     session.add(shard)
     session.flush()
     session.refresh(run)
     announce(session, experiment_topic(experiment.id))
-    after_commit(session, lambda: platform.queue.send(shard.id, shard.task))
+    after_commit(session, lambda: platform.queue.wake(shard.task))
     return run
 
 

@@ -35,11 +35,11 @@ def seal(session: Session, platform: Platform, viewer: Viewer, experiment_id: UU
     if problems := disagreements(experiment.document, [(file.role, file.name) for file in found]):
         raise ExperimentError("The experiment and the uploaded files do not agree.", fields=problems)
     experiment.stack.state = rule(STACK_RULES, "seal").target
-    shard = Shard(experiment_id=experiment.id, task="ingest")
+    shard = Shard(experiment_id=experiment.id, person_id=viewer.person_id, task="ingest")
     session.add(shard)
     session.flush()
     announce(session, experiment_topic(experiment.id))
-    after_commit(session, lambda: platform.queue.send(shard.id, shard.task))
+    after_commit(session, lambda: platform.queue.wake(shard.task))
     return experiment
 
 

@@ -1,5 +1,8 @@
 """What cannot be done ends with its cause in plain words; what may be passing is tried again."""
 
+import errno
+import os
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -50,7 +53,7 @@ def test_what_others_do_of_a_failed_run_does_not_count_and_is_not_kept(house: Ho
 
 def test_an_unexpected_error_is_tried_three_times_and_then_told(house: House, monkeypatch: pytest.MonkeyPatch) -> None:
     def broken(*_: object, **__: object) -> None:
-        raise RuntimeError("the moon is full")
+        raise RuntimeError("/srv/secret/place is broken")
 
     run = house.start(house.ready())
     monkeypatch.setattr(pipeline, "estimate", broken)
@@ -62,8 +65,46 @@ def test_an_unexpected_error_is_tried_three_times_and_then_told(house: House, mo
     failed = house.again(run)
     assert failed["state"] == "failed"
     assert failed["problem"]["code"] == "run.internal"
-    assert "the moon is full" in failed["problem"]["detail"]
-    assert failed["problem"]["hint"]
+    assert "RuntimeError" in failed["problem"]["detail"]
+    assert "prepare" in failed["problem"]["detail"]
+    assert str(shard_id) in failed["problem"]["hint"]
+
+
+def test_what_an_unexpected_error_says_of_the_server_is_not_shown(
+    house: House, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run = house.start(house.ready())
+    missing = FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), "/srv/secret/place")
+    monkeypatch.setattr(pipeline, "estimate", _raising(missing))
+    for _ in range(MAX_ATTEMPTS):
+        look_at(house.context, house.waiting("prepare")[0])
+    answer = house.api.get(f"runs/{run['id']}").text
+    assert "FileNotFoundError" in answer
+    assert "secret" not in answer
+
+
+@pytest.mark.parametrize(
+    "full",
+    [
+        OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), "/srv/objects/x"),
+        OSError("Generic LocalFileSystem error: No space left on device (os error 28)"),
+    ],
+)
+def test_a_full_disk_is_told_in_plain_words(house: House, monkeypatch: pytest.MonkeyPatch, full: OSError) -> None:
+    run = house.start(house.ready())
+    monkeypatch.setattr(pipeline, "estimate", _raising(full))
+    for _ in range(MAX_ATTEMPTS):
+        look_at(house.context, house.waiting("prepare")[0])
+    problem = house.again(run)["problem"]
+    assert (problem["code"], problem["status"]) == ("run.no_space", 507)
+    assert "space" in problem["detail"]
+
+
+def _raising(error: Exception) -> Callable[..., None]:
+    def broken(*_: object, **__: object) -> None:
+        raise error
+
+    return broken
 
 
 def test_an_unexpected_error_that_passes_leaves_no_trace(house: House, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -21,6 +21,7 @@ from worker.shards import look_at
 @pytest.fixture
 def run(house: House) -> Json:
     run = house.start(house.ready())
+    _forget_messages(house)
     look_at(house.context, house.waiting("prepare")[0])
     return run
 
