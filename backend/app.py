@@ -11,6 +11,8 @@ from starlette.types import Lifespan
 from backend.experiments.endpoints import router as experiments
 from backend.forms.endpoints import router as forms
 from backend.health.endpoints import router as health
+from backend.operations.endpoints import router as operations
+from backend.operations.measures import served
 from backend.page import install as install_page
 from backend.people.service import ensure_local_people
 from backend.platform import problems
@@ -19,6 +21,7 @@ from backend.platform.database import make_engine, make_sessions
 from backend.platform.dependencies import Platform
 from backend.platform.events import Listener
 from backend.platform.logging import set_up_logging
+from backend.platform.measures import Measured, Measures
 from backend.platform.object_store import ObjectStore
 from backend.platform.openapi import document
 from backend.platform.origins import LocalOnly
@@ -43,9 +46,12 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     settings = settings or environment_settings()
     set_up_logging(settings.log_level)
     app = bare_app(_lifespan(settings))
+    app.state.measures = Measures()
     app.add_middleware(BoundedBodies, max_bytes=settings.max_body_bytes)
     if settings.auth == "local":
         app.add_middleware(LocalOnly)
+    app.add_middleware(Measured, measures=app.state.measures)
+    app.include_router(operations)
     install_page(app, settings.frontend_dist)
     return app
 
@@ -88,7 +94,10 @@ def _lifespan(settings: Settings) -> Lifespan[FastAPI]:
         try:
             _greet(platform)
             platform.listener.start(asyncio.get_running_loop())
-            with before_stopping(platform.listener.let_go):
+            with (
+                served(settings.metrics_address, platform.sessions, platform.queue, app.state.measures),
+                before_stopping(platform.listener.let_go),
+            ):
                 yield
         finally:
             platform.listener.stop()

@@ -19,9 +19,11 @@ from backend.models import DoomedObject, Run, Shard
 from backend.models.lifecycle import end_run, settle_cancel
 from backend.models.states import SHARD_RULES, ShardState, rule
 from backend.platform.events import announce, experiment_topic, run_topic
+from backend.platform.holding import KEEP_OBJECTS
 from backend.platform.logging import set_up_logging
 from backend.platform.queue import QUEUE_OF_TASK, QUEUES
 from backend.platform.settings import environment_settings
+from backend.platform.tallies import tally
 from worker.context import Context, make_context
 from worker.failures import reject_stack, worker_lost
 from worker.leases import MAX_ATTEMPTS, LeaseLost, is_expired, release
@@ -55,6 +57,7 @@ def expire_leases(context: Context) -> None:
                     _expire_ingest(session, shard_id, experiment_id)
                 else:
                     _expire_shard(session, shard_id, lock_run(session, run_id))
+                tally(session, "lease_expiries")
         except LeaseLost:
             continue  # it was deleted in between
 
@@ -135,6 +138,8 @@ def _is_overdue(resend_after_s: float) -> ColumnElement[bool]:
 def remove_doomed(context: Context) -> None:
     """Bytes whose last row is gone."""
     with context.sessions.begin() as session:
+        if not session.scalar(text("SELECT pg_try_advisory_xact_lock(:key)"), {"key": KEEP_OBJECTS}):
+            return  # a backup copies them just now
         query = select(DoomedObject).order_by(DoomedObject.created_at).limit(_MOST_AT_ONCE)
         for doomed in session.scalars(query.with_for_update(skip_locked=True)):
             context.store.remove(doomed.key)

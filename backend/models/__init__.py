@@ -3,7 +3,7 @@
 from backend.models.base import Base
 from backend.models.experiments import Experiment, File, Stack
 from backend.models.people import Group, Membership, Person
-from backend.models.runs import DoomedObject, FrameSummary, Product, Run, Shard, Speed, Stage
+from backend.models.runs import DoomedObject, FrameSummary, Product, Run, Shard, Speed, Stage, Tally
 
 __all__ = [
     "Base",
@@ -20,4 +20,5 @@ __all__ = [
     "Speed",
     "Stack",
     "Stage",
+    "Tally",
 ]

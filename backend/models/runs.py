@@ -3,7 +3,7 @@
 from datetime import datetime
 from uuid import UUID
 
-from sqlalchemy import ForeignKey, Index, LargeBinary, String, UniqueConstraint, func
+from sqlalchemy import BigInteger, ForeignKey, Index, LargeBinary, String, UniqueConstraint, func
 from sqlalchemy.orm import Mapped, mapped_column, relationship
 
 from backend.models.base import Base, Dated, Identified, Json, one_of
@@ -154,3 +154,12 @@ class DoomedObject(Dated, Base):
     __tablename__ = "doomed_object"
 
     key: Mapped[str] = mapped_column(String(300), primary_key=True)
+
+
+class Tally(Base):
+    """How often something has happened since the service was set up."""
+
+    __tablename__ = "tally"
+
+    name: Mapped[str] = mapped_column(String(50), primary_key=True)
+    count: Mapped[int] = mapped_column(BigInteger)

@@ -3,6 +3,7 @@
 import io
 import shutil
 from collections.abc import AsyncIterator, Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, BinaryIO, cast
 from urllib.parse import unquote, urlparse
@@ -76,6 +77,13 @@ class ObjectStore:
             with self.open(key) as source, target.open("wb") as copy:
                 shutil.copyfileobj(source, copy, READ_BYTES)
         return scratch
+
+    def answers(self) -> None:
+        """Raise what the store raises if it cannot be reached."""
+        if self._root is not None and not self._root.is_dir():
+            raise FileNotFoundError(self._root)
+        with suppress(FileNotFoundError):
+            obstore.head(self.store, "nothing")
 
     def list(self, prefix: str) -> list[tuple[str, int]]:
         """Keys below `prefix` with their sizes, sorted."""

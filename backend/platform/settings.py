@@ -13,6 +13,7 @@ from sqlalchemy.exc import ArgumentError
 
 CHECKOUT = Path(__file__).resolve().parents[2]
 GIGABYTE = 1_000_000_000
+_LAST_PORT = 65535
 
 
 class Settings(BaseSettings):
@@ -35,7 +36,7 @@ class Settings(BaseSettings):
     """`local`: whoever reaches the service is its one person, so it listens on loopback only."""
     host: str = "127.0.0.1"
     """Address to listen on."""
-    port: Annotated[int, Field(ge=0, le=65535)] = 8000
+    port: Annotated[int, Field(ge=0, le=_LAST_PORT)] = 8000
     """Port to listen on."""
 
     max_file_bytes: Annotated[int, Field(ge=1)] = 100 * GIGABYTE
@@ -51,6 +52,8 @@ class Settings(BaseSettings):
     """How often lost messages and expired leases are looked for."""
     resend_after_s: Annotated[float, Field(ge=0.1, le=600)] = 10.0
     """How long a shard waits before its message counts as lost, if its queue is empty."""
+    metrics_address: str | None = None
+    """`host:port` where Prometheus finds measures, beside the API and never through its proxy."""
     log_level: Literal["DEBUG", "INFO", "WARNING", "ERROR"] = "INFO"
     """Least severe message that is written."""
 
@@ -72,6 +75,16 @@ class Settings(BaseSettings):
         if not url.startswith(("file:///", "s3://")):
             raise ValueError("must be file:///an/absolute/folder or s3://bucket/prefix")
         return url
+
+    @field_validator("metrics_address")
+    @classmethod
+    def _host_and_port(cls, address: str | None) -> str | None:
+        if address is None or address == "":
+            return None
+        host, _, port = address.rpartition(":")
+        if not host or not port.isdecimal() or not 0 < int(port) <= _LAST_PORT:
+            raise ValueError("must be host:port, such as 127.0.0.1:9100")
+        return address
 
     @model_validator(mode="after")
     def _sizes_fit(self) -> "Settings":
