@@ -40,6 +40,10 @@ class BackwardPass:
         """Frames of one part."""
         return len(self._film.frames_of(self.n_parts - 1 - turn))
 
+    def begin(self, before: Arrays) -> None:
+        """Learn from forward tracking."""
+        self._walk.learn_from(before)
+
     def run(self, turn: int, tick: Tick) -> None:
         """Track back through the frames of one part."""
         part = self.n_parts - 1 - turn

@@ -30,6 +30,14 @@ class Walk(Protocol):
         ...
 
 
+class LaterWalk(Walk, Protocol):
+    """A walk through a film that another has been through before."""
+
+    def learn_from(self, arrays: Arrays) -> None:
+        """Take from the last state of the walk before this one what holds for the whole film."""
+        ...
+
+
 class ForwardWalk(Walk, Protocol):
     """From frame to frame (section 3.3.1)."""
 
@@ -50,7 +58,7 @@ class StepBack:
     """Shape (2, n): how far each droplet of the front should move in the step."""
 
 
-class BackwardWalk(Walk, Protocol):
+class BackwardWalk(LaterWalk, Protocol):
     """From frame to the frame before (section 3.3.2)."""
 
     def step(self, later: Front, earlier: Front, look: Look | None, dt_s: float) -> StepBack:
@@ -58,7 +66,7 @@ class BackwardWalk(Walk, Protocol):
         ...
 
 
-class FlowWalk(Walk, Protocol):
+class FlowWalk(LaterWalk, Protocol):
     """The final flow field of each step. A method may need later steps to know an earlier one."""
 
     def add(self, before: Front, after: Front, dt_s: float) -> Iterable[FlowField]:

@@ -76,6 +76,10 @@ class FinalPass:
         """Frames of one part."""
         return len(self._film.frames_of(turn))
 
+    def begin(self, before: Arrays) -> None:
+        """Learn from backward tracking."""
+        self._flows.learn_from(without_prefix("walk.", before))
+
     def run(self, turn: int, tick: Tick) -> None:
         """Finish the rows and flow fields of one part."""
         if turn == 0:

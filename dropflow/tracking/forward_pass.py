@@ -23,6 +23,9 @@ class ForwardPass:
         """Frames of one part."""
         return len(self._film.frames_of(turn))
 
+    def begin(self, before: Arrays) -> None:
+        """Nothing comes before."""
+
     def run(self, turn: int, tick: Tick) -> None:
         """Track through the frames of one part."""
         tables = []

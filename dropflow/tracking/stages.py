@@ -26,6 +26,10 @@ class Stage(Protocol):
         """How many frames that call will walk through."""
         ...
 
+    def begin(self, before: Arrays) -> None:
+        """Take what is of use from the last state of the stage before this one."""
+        ...
+
     def run(self, turn: int, tick: Tick) -> None:
         """Do the part whose turn it is (0 comes first, whichever part of the film that is) and write what it gives."""
         ...

@@ -35,7 +35,7 @@ from dropflow.tracking.probable import ProbableChain
 from dropflow.tracking.stages import Stage
 
 _DONE = "done"
-_STATE_VERSION = 1
+_STATE_VERSION = 2
 """Of what checkpoints and spools hold: to be raised when an older one could not be gone on from."""
 _N_WALKS = 4
 """Forward, backward, final, and sorting, which counts as much as another walk."""
@@ -177,6 +177,8 @@ def _run(stages: list[Stage], checkpoint: Checkpoint, position: Position | None,
         if position is not None and index == current:
             stage.restore(position.arrays)
             n_turns_done = position.n_parts_done
+        elif index > current:
+            stage.begin(stages[index - 1].state())
         n_done += sum(stage.n_frames_of(turn) for turn in range(n_turns_done))
         steps.reach(n_done)
         for turn in range(n_turns_done, stage.n_parts):

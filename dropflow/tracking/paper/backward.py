@@ -26,6 +26,9 @@ class PaperBackward:
         self._flow = flow if flow.is_known else self._flow
         return step
 
+    def learn_from(self, arrays: Arrays) -> None:
+        """The paper has nothing that holds for the whole film."""
+
     def state(self) -> Arrays:
         """The last flow that was known."""
         return save_flow("flow", self._flow)

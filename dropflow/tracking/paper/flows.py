@@ -22,6 +22,9 @@ class PaperFlows:
         """Nothing is left."""
         return []
 
+    def learn_from(self, arrays: Arrays) -> None:
+        """The paper has nothing that holds for the whole film."""
+
     def state(self) -> Arrays:
         """Nothing is remembered."""
         return {}

@@ -19,6 +19,7 @@ from dropflow.tracking.probable.memory import Memory
 from dropflow.tracking.probable.observing import observe
 from dropflow.tracking.probable.regression import WaveFlow
 from dropflow.tracking.probable.search import SIMILAR_RATIO, sure_look
+from dropflow.tracking.saving import prefixed, without_prefix
 
 _WIDENING = 2.0
 """Squared errors are larger than thought by about this: a trajectory's own ways are not known at its beginning."""
@@ -90,10 +91,14 @@ class ProbableBackward:
         px = dt_s / self._motion.pixel_size_um
         return np.asarray(flow.at(front.droplets.x_px, front.droplets.y_px) * px + sinking)
 
+    def learn_from(self, arrays: Arrays) -> None:
+        """Take up the model of the flow."""
+        self._flow.learn_from(without_prefix("flow.", arrays))
+
     def state(self) -> Arrays:
         """What is known of the flow."""
-        return self._flow.state()
+        return prefixed("flow.", self._flow.state())
 
     def restore(self, arrays: Arrays) -> None:
         """Go on from `arrays`."""
-        self._flow.restore(arrays)
+        self._flow.restore(without_prefix("flow.", arrays))

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 
 from dropflow.tracking.checkpoint import Arrays
-from dropflow.tracking.grid import Grid
+from dropflow.tracking.grid import CornerGrid, Grid
 from dropflow.tracking.probable.directions import Up
 from dropflow.tracking.probable.least_squares import Model, Observations
-from dropflow.tracking.probable.regression import WaveFlow, nodes_over, regress
+from dropflow.tracking.probable.regression import WaveFlow, regress
 from dropflow.tracking.probable.spectrum import Spectrum
 from dropflow.tracking.probable.spectrum_estimate import estimate_spectrum
 from dropflow.tracking.probable.waves import Waves
@@ -20,8 +20,8 @@ _ENOUGH_REMEMBERED = 600
 """Droplets; steps before those that had so many have little to add."""
 _ESTIMATED_AFTER = (1, 3, 8, 24, 64)
 _ESTIMATED_EVERY = 192
-_POTENTIAL_SOUGHT_UNTIL = 8
-"""Steps; a flow without divergence in these is taken to have none."""
+_POTENTIAL_SOUGHT = (3, 8)
+"""From this many steps to that many; a flow without divergence in these is taken to have none."""
 _ENOUGH_OBSERVATIONS = 600
 """For the spectrum; more steps than that takes are not looked at."""
 _MOST_OBSERVATIONS = 1000
@@ -35,6 +35,8 @@ _FIRST_CHANGE_PER_S = 0.1
 _LONGEST_WAIT = 32
 """Steps between searches for the flow where it cannot be found."""
 _KEPT = 0.8
+_N_PROBES = 8
+"""Along x and y: points at which the flow is compared with that of the step before."""
 _MEDIAN_SQUARE = 0.455
 """Median of the square of a standard normal variable."""
 
@@ -45,6 +47,8 @@ class FlowMemory:
     def __init__(self, grid: Grid, up: Up) -> None:
         self._grid = grid
         self._up = up
+        probes = CornerGrid(grid.height_px, grid.width_px, _N_PROBES, _N_PROBES)
+        self._probes = np.asarray(np.meshgrid(probes.x_px, probes.y_px)).reshape(2, -1)
         self.model: Model | None = None
         self.last: WaveFlow | None = None
         """The flow of the step before."""
@@ -82,7 +86,7 @@ class FlowMemory:
         """The flow of the step that follows, `dt_s` long, from what was seen of it and in the steps before."""
         parts = [self._aged(step, age + dt_s / 2) for step, age in zip(self._steps, self._ages_s, strict=True)]
         together = Observations.concatenate([*parts, seen])
-        return regress(together, self.model, self._grid) if self.model and len(together) else None
+        return regress(together, self.model) if self.model and len(together) else None
 
     def learn(self, seen: Observations, flow: WaveFlow | None, dt_s: float) -> None:
         """Remember a step that is over: what was seen of it and the flow that was found."""
@@ -103,7 +107,8 @@ class FlowMemory:
         """Find the model that suits the last of these steps, starting from the present one."""
         latest = steps[-_n_last(steps, _ENOUGH_OBSERVATIONS) :]
         thinned = [step[:: 1 + len(step) // _MOST_OBSERVATIONS] for step in latest]
-        may_diverge = self._n_steps <= _POTENTIAL_SOUGHT_UNTIL or self.model is None or self.model.with_potential
+        first, last = _POTENTIAL_SOUGHT
+        may_diverge = first <= self._n_steps <= last or (self.model is not None and self.model.with_potential)
         self.model = estimate_spectrum(
             thinned, self._grid, self.model, self._up, with_potential=may_diverge, most_iterations=most_iterations
         )
@@ -115,8 +120,8 @@ class FlowMemory:
         self._steps, self._ages_s, self._n_steps, self.last = [], [], 0, None
 
     def _note(self, flow: WaveFlow, dt_s: float) -> None:
-        if self.last is not None and self.last.nodes == flow.nodes:
-            difference = (flow.at_nodes - self.last.at_nodes) / dt_s
+        if self.last is not None:
+            difference = (flow.at(*self._probes) - self.last.at(*self._probes)) / dt_s
             seen = float(np.sqrt(np.median(difference**2) / _MEDIAN_SQUARE))
             self.change_um_s2 = _KEPT * self.change_um_s2 + (1 - _KEPT) * seen
         self.last = flow
@@ -129,6 +134,14 @@ class FlowMemory:
         """What was seen some time ago says less of now."""
         more = (self.change_um_s2 * age_s) ** 2
         return replace(step, across_variance=step.across_variance + more, along_variance=step.along_variance + more)
+
+    def learn_from(self, arrays: Arrays) -> None:
+        """Take the model from the state of another memory of the same film; it is as good as after many steps."""
+        model = without_prefix("model.", arrays)
+        if model:
+            self.model = _load_model(model, self._up)
+            self.change_um_s2 = float(arrays["change_um_s2"])
+            self._n_steps = _ESTIMATED_AFTER[-1]
 
     def state(self) -> Arrays:
         """Everything, as arrays."""
@@ -155,8 +168,7 @@ class FlowMemory:
 
     def _load_flow(self, arrays: Arrays) -> WaveFlow:
         model = _load_model(without_prefix("model.", arrays), self._up)
-        nodes = nodes_over(self._grid, model.spectrum.length_px)
-        return WaveFlow(model, arrays["amplitudes"], arrays["factor"], nodes)
+        return WaveFlow(model, arrays["amplitudes"], arrays["factor"])
 
 
 def _n_last(steps: list[Observations], n_enough: int) -> int:

@@ -65,10 +65,14 @@ class ProbableFlows:
             self._flow.estimate([around])
         if self._flow.model is None or not len(around):
             return unknown_flow(self._grid)
-        flow = regress(around, self._flow.model, self._grid)
+        flow = regress(around, self._flow.model)
         mean, variance = flow.stokes_error
         self._flow.model = replace(self._flow.model, factor_mean=mean, factor_variance=max(variance, 1e-5))
         return on_grid(flow, here, self._grid)
+
+    def learn_from(self, arrays: Arrays) -> None:
+        """Take up the model of the flow."""
+        self._flow.learn_from(without_prefix("flow.", arrays))
 
     def state(self) -> Arrays:
         """The window and what is known of the flow."""

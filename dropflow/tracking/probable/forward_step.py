@@ -135,8 +135,8 @@ class ForwardStep:
         self.known.estimate([seen], most_iterations=most_iterations)
         model = self.known.model
         assert model is not None  # noqa: S101 - it was estimated in the line before
-        flow = regress(seen, model, self.grid)
+        flow = regress(seen, model)
         across, along = deviations(seen, flow)
         noise = model.spectrum.noise_um_s**2
         squared = across**2 / (seen.across_variance + noise) + along**2 / (seen.along_variance + noise)
-        return regress(trusted(seen, np.asarray(squared)), model, self.grid)
+        return regress(trusted(seen, np.asarray(squared)), model)

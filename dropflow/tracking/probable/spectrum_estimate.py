@@ -3,15 +3,14 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.linalg import lapack
 from scipy.optimize import minimize
 
 from dropflow.tracking.grid import Column, Grid
 from dropflow.tracking.probable.directions import Up
 from dropflow.tracking.probable.least_squares import Model, Observations, normal_equations, weights
-from dropflow.tracking.probable.regression import solve
+from dropflow.tracking.probable.regression import covariance_of, solve
 from dropflow.tracking.probable.spectrum import Spectrum
-from dropflow.tracking.probable.waves import Matrix, Waves
+from dropflow.tracking.probable.waves import Waves
 
 _MOST_LATTICES = 3
 _SAME_LENGTH = 0.25
@@ -117,8 +116,7 @@ def _evidence_of_step(step: Observations, model: Model) -> tuple[float, Column, 
     weight = weights(step, model.spectrum.noise_um_s)
     matrix, vector = normal_equations(step, points, model, weight)
     factor, whitened = solve(matrix, vector, model.prior)
-    root = np.sqrt(model.prior)
-    covariance = _inverse(factor) * root[:, None] * root
+    covariance = covariance_of(factor, model.prior)
     amplitudes = covariance @ vector
     value_along = step.along_um_s - model.factor_mean * step.sedimentation_um_s
     values = np.stack([step.across_um_s, value_along])
@@ -132,12 +130,6 @@ def _evidence_of_step(step: Observations, model: Model) -> tuple[float, Column, 
     residual = (twice * values**2).sum() - 2 * amplitudes @ vector_2 + amplitudes @ matrix_2 @ amplitudes
     slope_noise = (residual + (covariance * matrix_2).sum() - weight.sum()) / 2
     return float(value), np.asarray(slope_prior), float(slope_noise)
-
-
-def _inverse(factor: Matrix) -> Matrix:
-    """Inverse of the matrix with this lower Cholesky factor."""
-    lower, _ = lapack.dpotri(factor, lower=1)
-    return np.asarray(lower + np.tril(lower, -1).T)
 
 
 def _spectrum(parameters: Column) -> Spectrum:

@@ -104,6 +104,21 @@ class Waves:
         plus = (i_x[:, None] + i_x + middle) * row + i_y[:, None] + i_y
         return minus, sign.astype(np.float64), plus
 
+    def series_of(self, amplitudes: Complex) -> Complex:
+        """Amplitudes of the waves, in the array over indices -2 n_x .. 2 n_x, 0 .. 2 n_y of `evaluate_series`."""
+        i_x, i_y = self.index
+        series = np.zeros((4 * self.n_x + 1, 2 * self.n_y + 1), np.complex128)
+        series[i_x + 2 * self.n_x, i_y] = amplitudes
+        return series
+
+    def series_of_squares(self, cos_cos: Matrix, cos_sin: Matrix, sin_sin: Matrix) -> Complex:
+        """The sum of a cos cos' + 2 b cos sin' + d sin sin' over all pairs of waves, as amplitudes of single waves."""
+        minus, sign, plus = self._pairs
+        shape = (4 * self.n_x + 1, 2 * self.n_y + 1)
+        real = _gathered(minus, (cos_cos + sin_sin) / 2, shape) + _gathered(plus, (cos_cos - sin_sin) / 2, shape)
+        imaginary = _gathered(minus, sign * cos_sin, shape) - _gathered(plus, cos_sin, shape)
+        return np.asarray(real + 1j * imaginary)
+
 
 @dataclass(frozen=True)
 class WavesAt:
@@ -154,9 +169,19 @@ class WavesAt:
         rows = (table.reshape(-1, 2 * n_x + 1) @ along_x).reshape(len(cosines), n_y + 1, -1)
         return np.asarray((rows * along_y).sum(axis=1).real)
 
+    def evaluate_series(self, series: Complex) -> Matrix:
+        """Real parts of the sums of amplitude * exp(i k x) over waves up to twice as fine, shape (m, n)."""
+        rows = np.tensordot(series, self._along_x, axes=([1], [0]))
+        return np.asarray((rows * self._along_y).sum(axis=1).real)
+
     def _sums(self, weights: Matrix, along_x: Complex, along_y: Complex) -> Complex:
         weighted = (weights[:, None, :] * along_x).reshape(-1, weights.shape[1])
         return np.asarray((weighted @ along_y.T).reshape(len(weights), -1))
+
+
+def _gathered(place: Indices, values: Matrix, shape: tuple[int, int]) -> Matrix:
+    """Values added up at flat places of an array."""
+    return np.bincount(place.ravel(), values.ravel(), shape[0] * shape[1]).reshape(shape)
 
 
 def _powers(factor: Complex, greatest: int) -> Complex:
