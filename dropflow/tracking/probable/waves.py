@@ -181,7 +181,7 @@ class WavesAt:
 
 def _gathered(place: Indices, values: Matrix, shape: tuple[int, int]) -> Matrix:
     """Values added up at flat places of an array."""
-    return np.bincount(place.ravel(), values.ravel(), shape[0] * shape[1]).reshape(shape)
+    return np.asarray(np.bincount(place.ravel(), values.ravel(), shape[0] * shape[1]).reshape(shape), np.float64)
 
 
 def _powers(factor: Complex, greatest: int) -> Complex:
