@@ -32,6 +32,7 @@ from backend.results.endpoints import router as results
 from backend.runs.endpoints import router as runs
 from backend.stacks.endpoints import router as stacks
 from backend.stacks.images import OpenStacks
+from backend.trajectories.endpoints import router as trajectories
 from dropflow.provenance import code_version
 
 API = "/api/v1"
@@ -70,7 +71,7 @@ def bare_app(lifespan: Lifespan[FastAPI] | None = None) -> FastAPI:
         lifespan=lifespan,
     )
     api = APIRouter(prefix=API)
-    for router in (health, forms, experiments, stacks, runs, results):
+    for router in (health, forms, experiments, stacks, runs, results, trajectories):
         api.include_router(router)
     app.include_router(api)
     problems.install(app)

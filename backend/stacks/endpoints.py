@@ -13,7 +13,7 @@ from backend.platform.dependencies import PlatformDependency, SessionDependency,
 from backend.platform.problems import InvalidRequest, responses
 from backend.stacks import service, upload
 from backend.stacks.errors import NoSpace, RunsExist, StackClosed, TooLarge, WrongKind
-from backend.stacks.images import as_webp
+from backend.stacks.images import PictureKind, as_picture
 from backend.stacks.pictures import read_frame
 from backend.stacks.schemas import File, FileQuery, Files, Role
 
@@ -74,10 +74,10 @@ def stack_delete(session: SessionDependency, viewer: ViewerDependency, experimen
 
 
 @router.get(
-    "/frames/{frame}.webp",
+    "/frames/{frame}.{kind}",
     response_class=Response,
     responses={
-        200: {"content": {"image/webp": {}}, "description": "The picture."},
+        200: {"content": {kind.media_type: {} for kind in PictureKind}, "description": "The picture."},
         304: {"description": "The picture is the one you have."},
         **responses(NoSuchExperiment, StackClosed, InvalidRequest),
     },
@@ -88,6 +88,7 @@ def frames_picture(
     viewer: ViewerDependency,
     experiment_id: UUID,
     frame: FrameNumber,
+    kind: PictureKind,
     max_side: Annotated[int, Query(ge=16, le=8192, description="Longest side in pixels.")] = 1200,
     v: Annotated[str | None, Query(max_length=64, description="`stack.checksum`: keeps the picture for ever.")] = None,
     if_none_match: Annotated[str | None, Header(include_in_schema=False)] = None,
@@ -96,10 +97,10 @@ def frames_picture(
     with platform.sessions.begin() as session:
         experiment = service.with_frame(session, viewer, experiment_id, frame)
         checksum = str(experiment.stack.checksum)
-        tag = f'"{checksum[:16]}-{frame}-{max_side}"'
+        tag = f'"{checksum[:16]}-{frame}-{max_side}-{kind}"'
         keep = "private, max-age=31536000, immutable" if v == checksum else "private, no-cache"
         headers = {"ETag": tag, "Cache-Control": keep}
         if if_none_match == tag:
             return Response(status_code=HTTPStatus.NOT_MODIFIED, headers=headers)
         pixels = read_frame(request.app.state.open_stacks, platform.store, session, viewer, experiment, frame)
-    return Response(as_webp(pixels, max_side), media_type="image/webp", headers=headers)
+    return Response(as_picture(pixels, max_side, kind), media_type=kind.media_type, headers=headers)

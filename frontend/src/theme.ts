@@ -48,6 +48,7 @@ export const readableVariables: CSSVariablesResolver = () => ({
     "--mantine-color-red-light": "#fdeaea",
     "--dropflow-ground": "#f7f8f9",
     "--dropflow-line": "#dfe3e7",
+    "--dropflow-axis": "#7b858e",
   },
   dark: {
     "--mantine-color-dimmed": "#a9b2ba",
@@ -57,5 +58,6 @@ export const readableVariables: CSSVariablesResolver = () => ({
     "--mantine-color-cyan-filled-hover": "#095f70",
     "--dropflow-ground": "#17191c",
     "--dropflow-line": "#383d42",
+    "--dropflow-axis": "#8d969e",
   },
 });

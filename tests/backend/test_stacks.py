@@ -147,15 +147,16 @@ def test_frames_that_runs_were_made_of_stay(house: House) -> None:
     assert answer.json()["code"] == "conflict.runs_exist"
 
 
-def test_a_frame_is_a_stretched_picture_of_bounded_size(house: House) -> None:
+@pytest.mark.parametrize(("kind", "media_type"), [("webp", "image/webp"), ("jpg", "image/jpeg")])
+def test_a_frame_is_a_stretched_picture_of_bounded_size(house: House, kind: str, media_type: str) -> None:
     ready = house.ready()
-    answer = house.api.get(f"experiments/{ready['id']}/frames/2.webp", params={"max_side": 100})
-    assert answer.headers["content-type"] == "image/webp"
+    answer = house.api.get(f"experiments/{ready['id']}/frames/2.{kind}", params={"max_side": 100})
+    assert answer.headers["content-type"] == media_type
     picture = cv2.imdecode(np.frombuffer(answer.content, np.uint8), cv2.IMREAD_UNCHANGED)
     assert picture.shape[:2] == (80, 100)
     assert picture.min() < 20
     assert picture.max() > 235
-    whole = house.api.get(f"experiments/{ready['id']}/frames/2.webp")
+    whole = house.api.get(f"experiments/{ready['id']}/frames/2.{kind}")
     shown = cv2.imdecode(np.frombuffer(whole.content, np.uint8), cv2.IMREAD_GRAYSCALE)
     assert np.corrcoef(shown.ravel(), frame(2).ravel())[0, 1] > 0.95
 

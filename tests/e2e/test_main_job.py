@@ -119,7 +119,7 @@ def test_the_page_gives_the_numbers_that_the_command_gives(page: Page, film: Pat
         expect(page.get_by_role("alert")).to_have_count(0)
         assert serious_findings(page) == []
 
-    page.get_by_role("tab", name="Droplets and flow").click()
+    page.get_by_role("tab", name="Droplets").click()
     trajectories = pl.read_parquet(film.with_name("results") / "trajectories.parquet")
     n_in_first_frame = trajectories.filter(pl.col("frame") == 0).height
     expect(page.get_by_text(f"{n_in_first_frame} droplets on trajectories in frame 0").first).to_be_visible()

@@ -2,7 +2,7 @@
 
 import type { Client, Options as Options2, TDataShape } from './client';
 import { client } from './client.gen';
-import type { DropletsGetData, DropletsGetErrors, DropletsGetResponses, ExperimentsCreateData, ExperimentsCreateErrors, ExperimentsCreateResponses, ExperimentsDeleteData, ExperimentsDeleteErrors, ExperimentsDeleteResponses, ExperimentsEventsData, ExperimentsEventsErrors, ExperimentsEventsResponses, ExperimentsGetData, ExperimentsGetErrors, ExperimentsGetResponses, ExperimentsListData, ExperimentsListErrors, ExperimentsListResponses, ExperimentsUpdateData, ExperimentsUpdateErrors, ExperimentsUpdateResponses, FiguresGetData, FiguresGetErrors, FiguresGetResponses, FilesListData, FilesListErrors, FilesListResponses, FilesUploadData, FilesUploadErrors, FilesUploadResponses, FlowGetData, FlowGetErrors, FlowGetResponses, FramesPictureData, FramesPictureErrors, FramesPictureResponses, HealthGetData, HealthGetErrors, HealthGetResponses, ResultFilesDownloadData, ResultFilesDownloadErrors, ResultFilesDownloadResponses, ResultFilesListData, ResultFilesListErrors, ResultFilesListResponses, RunsCancelData, RunsCancelErrors, RunsCancelResponses, RunsCreateData, RunsCreateErrors, RunsCreateResponses, RunsDeleteData, RunsDeleteErrors, RunsDeleteResponses, RunsEventsData, RunsEventsErrors, RunsEventsResponses, RunsGetData, RunsGetErrors, RunsGetResponses, RunsListAllData, RunsListAllErrors, RunsListAllResponses, RunsListData, RunsListErrors, RunsListResponses, RunsRetryData, RunsRetryErrors, RunsRetryResponses, SchemasGetExperimentData, SchemasGetExperimentErrors, SchemasGetExperimentResponses, SchemasGetParametersData, SchemasGetParametersErrors, SchemasGetParametersResponses, StackCompleteData, StackCompleteErrors, StackCompleteResponses, StackDeleteData, StackDeleteErrors, StackDeleteResponses } from './types.gen';
+import type { DropletsGetData, DropletsGetErrors, DropletsGetResponses, ExperimentsCreateData, ExperimentsCreateErrors, ExperimentsCreateResponses, ExperimentsDeleteData, ExperimentsDeleteErrors, ExperimentsDeleteResponses, ExperimentsEventsData, ExperimentsEventsErrors, ExperimentsEventsResponses, ExperimentsGetData, ExperimentsGetErrors, ExperimentsGetResponses, ExperimentsListData, ExperimentsListErrors, ExperimentsListResponses, ExperimentsUpdateData, ExperimentsUpdateErrors, ExperimentsUpdateResponses, FiguresGetData, FiguresGetErrors, FiguresGetResponses, FilesListData, FilesListErrors, FilesListResponses, FilesUploadData, FilesUploadErrors, FilesUploadResponses, FlowGetData, FlowGetErrors, FlowGetResponses, FramesPictureData, FramesPictureErrors, FramesPictureResponses, HealthGetData, HealthGetErrors, HealthGetResponses, ResultFilesDownloadData, ResultFilesDownloadErrors, ResultFilesDownloadResponses, ResultFilesListData, ResultFilesListErrors, ResultFilesListResponses, RunsCancelData, RunsCancelErrors, RunsCancelResponses, RunsCreateData, RunsCreateErrors, RunsCreateResponses, RunsDeleteData, RunsDeleteErrors, RunsDeleteResponses, RunsEventsData, RunsEventsErrors, RunsEventsResponses, RunsGetData, RunsGetErrors, RunsGetResponses, RunsListAllData, RunsListAllErrors, RunsListAllResponses, RunsListData, RunsListErrors, RunsListResponses, RunsRetryData, RunsRetryErrors, RunsRetryResponses, SchemasGetExperimentData, SchemasGetExperimentErrors, SchemasGetExperimentResponses, SchemasGetParametersData, SchemasGetParametersErrors, SchemasGetParametersResponses, StackCompleteData, StackCompleteErrors, StackCompleteResponses, StackDeleteData, StackDeleteErrors, StackDeleteResponses, TailsGetData, TailsGetErrors, TailsGetResponses, TrajectoriesGetData, TrajectoriesGetErrors, TrajectoriesGetResponses } from './types.gen';
 
 export type Options<TData extends TDataShape = TDataShape, ThrowOnError extends boolean = boolean, TResponse = unknown> = Options2<TData, ThrowOnError, TResponse> & {
     /**
@@ -101,7 +101,7 @@ export const filesUpload = <ThrowOnError extends boolean = true>(options: Option
  *
  * One frame as an 8-bit picture, its contrast stretched.
  */
-export const framesPicture = <ThrowOnError extends boolean = true>(options: Options<FramesPictureData, ThrowOnError>) => (options.client ?? client).get<FramesPictureResponses, FramesPictureErrors, ThrowOnError>({ url: '/api/v1/experiments/{experiment_id}/frames/{frame}.webp', ...options });
+export const framesPicture = <ThrowOnError extends boolean = true>(options: Options<FramesPictureData, ThrowOnError>) => (options.client ?? client).get<FramesPictureResponses, FramesPictureErrors, ThrowOnError>({ url: '/api/v1/experiments/{experiment_id}/frames/{frame}.{kind}', ...options });
 
 /**
  * Runs List
@@ -216,11 +216,25 @@ export const dropletsGet = <ThrowOnError extends boolean = true>(options: Option
 export const flowGet = <ThrowOnError extends boolean = true>(options: Options<FlowGetData, ThrowOnError>) => (options.client ?? client).get<FlowGetResponses, FlowGetErrors, ThrowOnError>({ url: '/api/v1/runs/{run_id}/frames/{frame}/flow', ...options });
 
 /**
+ * Tails Get
+ *
+ * Get where the droplets of a frame were in the frames before.
+ */
+export const tailsGet = <ThrowOnError extends boolean = true>(options: Options<TailsGetData, ThrowOnError>) => (options.client ?? client).get<TailsGetResponses, TailsGetErrors, ThrowOnError>({ url: '/api/v1/runs/{run_id}/frames/{frame}/tails', ...options });
+
+/**
  * Runs Retry
  *
  * Try a failed run again as a new run, which is answered. What had been done is not done again.
  */
 export const runsRetry = <ThrowOnError extends boolean = true>(options: Options<RunsRetryData, ThrowOnError>) => (options.client ?? client).post<RunsRetryResponses, RunsRetryErrors, ThrowOnError>({ url: '/api/v1/runs/{run_id}/retry', ...options });
+
+/**
+ * Trajectories Get
+ *
+ * Get size, place and velocity of one droplet over time.
+ */
+export const trajectoriesGet = <ThrowOnError extends boolean = true>(options: Options<TrajectoriesGetData, ThrowOnError>) => (options.client ?? client).get<TrajectoriesGetResponses, TrajectoriesGetErrors, ThrowOnError>({ url: '/api/v1/runs/{run_id}/trajectories/{trajectory_id}', ...options });
 
 /**
  * Schemas Get Experiment

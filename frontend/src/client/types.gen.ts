@@ -314,6 +314,13 @@ export type NewRun = {
 };
 
 /**
+ * PictureKind
+ *
+ * How a picture is packed: JPEG is made a hundred times quicker, WebP is smaller.
+ */
+export type PictureKind = 'jpg' | 'webp';
+
+/**
  * Problem
  *
  * What went wrong, where, and what to do.
@@ -621,6 +628,107 @@ export type StageName = 'detect' | 'track' | 'analyse';
  * How far one stage of a run is.
  */
 export type StageState = 'waiting' | 'running' | 'completed' | 'failed' | 'cancelled';
+
+/**
+ * Tails
+ *
+ * Where the droplets of a frame were in the frames before it, one polyline a trajectory.
+ *
+ * Points `offsets[k]` to `offsets[k + 1]` belong to `trajectory_id[k]`, in the order of frames.
+ */
+export type Tails = {
+    /**
+     * Frame
+     */
+    frame: number;
+    /**
+     * N Frames
+     */
+    n_frames: number;
+    /**
+     * Offsets
+     */
+    offsets: Array<number>;
+    /**
+     * Trajectory Id
+     */
+    trajectory_id: Array<number>;
+    /**
+     * X Px
+     */
+    x_px: Array<number>;
+    /**
+     * Y Px
+     */
+    y_px: Array<number>;
+};
+
+/**
+ * Trajectory
+ *
+ * One droplet over all frames in which it was followed, one array a column.
+ */
+export type Trajectory = {
+    /**
+     * Frame
+     */
+    frame: Array<number>;
+    /**
+     * Is Detected
+     */
+    is_detected: Array<boolean>;
+    /**
+     * Match
+     */
+    match: Array<number | null>;
+    /**
+     * Probability
+     */
+    probability: Array<number | null>;
+    /**
+     * R Std Um
+     */
+    r_std_um: Array<number | null>;
+    /**
+     * R Um
+     */
+    r_um: Array<number>;
+    /**
+     * Sedimentation Um S
+     */
+    sedimentation_um_s: Array<number | null>;
+    /**
+     * Time S
+     */
+    time_s: Array<number>;
+    /**
+     * Trajectory Id
+     */
+    trajectory_id: number;
+    /**
+     * U Um S
+     */
+    u_um_s: Array<number | null>;
+    /**
+     * Up
+     */
+    up: [
+        number,
+        number
+    ];
+    /**
+     * V Um S
+     */
+    v_um_s: Array<number | null>;
+    /**
+     * X Px
+     */
+    x_px: Array<number>;
+    /**
+     * Y Px
+     */
+    y_px: Array<number>;
+};
 
 /**
  * Which
@@ -1051,6 +1159,7 @@ export type FramesPictureData = {
          * Frame
          */
         frame: number;
+        kind: PictureKind;
     };
     query?: {
         /**
@@ -1066,7 +1175,7 @@ export type FramesPictureData = {
          */
         v?: string | null;
     };
-    url: '/api/v1/experiments/{experiment_id}/frames/{frame}.webp';
+    url: '/api/v1/experiments/{experiment_id}/frames/{frame}.{kind}';
 };
 
 export type FramesPictureErrors = {
@@ -1763,6 +1872,55 @@ export type FlowGetResponses = {
 
 export type FlowGetResponse = FlowGetResponses[keyof FlowGetResponses];
 
+export type TailsGetData = {
+    body?: never;
+    path: {
+        /**
+         * Frame
+         */
+        frame: number;
+        /**
+         * Run Id
+         */
+        run_id: string;
+    };
+    query?: {
+        /**
+         * N Frames
+         *
+         * Frames to look back.
+         */
+        n_frames?: number;
+    };
+    url: '/api/v1/runs/{run_id}/frames/{frame}/tails';
+};
+
+export type TailsGetErrors = {
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type TailsGetError = TailsGetErrors[keyof TailsGetErrors];
+
+export type TailsGetResponses = {
+    /**
+     * Successful Response
+     */
+    200: Tails;
+};
+
+export type TailsGetResponse = TailsGetResponses[keyof TailsGetResponses];
+
 export type RunsRetryData = {
     body?: never;
     path: {
@@ -1804,6 +1962,48 @@ export type RunsRetryResponses = {
 };
 
 export type RunsRetryResponse = RunsRetryResponses[keyof RunsRetryResponses];
+
+export type TrajectoriesGetData = {
+    body?: never;
+    path: {
+        /**
+         * Trajectory Id
+         */
+        trajectory_id: number;
+        /**
+         * Run Id
+         */
+        run_id: string;
+    };
+    query?: never;
+    url: '/api/v1/runs/{run_id}/trajectories/{trajectory_id}';
+};
+
+export type TrajectoriesGetErrors = {
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type TrajectoriesGetError = TrajectoriesGetErrors[keyof TrajectoriesGetErrors];
+
+export type TrajectoriesGetResponses = {
+    /**
+     * Successful Response
+     */
+    200: Trajectory;
+};
+
+export type TrajectoriesGetResponse = TrajectoriesGetResponses[keyof TrajectoriesGetResponses];
 
 export type SchemasGetExperimentData = {
     body?: never;

@@ -128,7 +128,8 @@ function Frames({ experiment }: { experiment: Experiment }) {
         frame={shown}
         onFrame={(to) => navigate({ search: { frame: to }, replace: true, resetScroll: false })}
         label={`Frame ${shown} of ${experiment.experiment.name}`}
-        time={timeOfFrame(experiment, shown)}
+        timeOf={(which) => timeOfFrame(experiment, which)}
+        fileName={String(experiment.experiment.name)}
       />
     </Panel>
   );

@@ -1,55 +1,92 @@
 import { useElementSize } from "@mantine/hooks";
-import { useEffect, useRef } from "react";
+import { useEffect, useMemo, useRef } from "react";
 import { ProblemAlert } from "../platform/ProblemAlert";
 import { toProblem } from "../platform/problem";
 import { Loading } from "../platform/QueryView";
+import type { Painter } from "./pen";
 import { type FrameSource, sideFor, usePicture } from "./pictures";
-
-/** Draws over a frame in screen pixels; `scale` is screen pixels per image pixel. */
-export type Painter = (context: CanvasRenderingContext2D, scale: number) => void;
+import { type OnPick, usePointer } from "./pointer";
+import { paintStamp } from "./stamp";
+import { type Tone, toned } from "./tone";
+import { mappingOf, type View } from "./viewport";
 
 type FrameCanvasProps = {
   source: FrameSource;
   frame: number;
+  view: View;
+  onView: (view: View) => void;
+  tone: Tone;
   /** Drawn over the picture; a new function is drawn anew. */
   paint?: Painter;
+  /** Time and the like, written into a corner beside the scale bar. */
+  stamp?: string;
   label: string;
   onShown?: (frame: number) => void;
+  onPick?: OnPick;
 };
 
-/** One frame as large as its place allows, with an overlay on a second canvas. */
-export function FrameCanvas({ source, frame, paint, label, onShown }: FrameCanvasProps) {
+/** One frame as large as its place allows, with an overlay on a second canvas; drag moves it, double click zooms. */
+export function FrameCanvas({
+  source,
+  frame,
+  view,
+  onView,
+  tone,
+  paint,
+  stamp,
+  label,
+  ...on
+}: FrameCanvasProps) {
+  const { onShown, onPick } = on;
   const { ref, width } = useElementSize();
   const dpr = window.devicePixelRatio || 1;
-  const picture = usePicture(source, frame, sideFor(Math.max(width, 1) * dpr));
+  const picture = usePicture(source, frame, sideFor(Math.max(width, 1) * dpr * view.zoom));
+  const shown = useMemo(() => (picture.data ? toned(picture.data, tone) : null), [picture.data, tone]);
   const below = useRef<HTMLCanvasElement>(null);
   const above = useRef<HTMLCanvasElement>(null);
-  const height = (width * source.rows) / source.columns;
+  const { columns, rows, pixel_size_um } = source;
+  const height = (width * rows) / columns;
+  const place = useMemo(() => ({ columns, rows, width, height }), [columns, rows, width, height]);
+  const mapping = useMemo(() => mappingOf(view, place), [view, place]);
+  const pointer = usePointer({ view, onView, place, onPick });
 
   useEffect(() => {
     const context = prepared(below.current, width, height, dpr);
-    if (!context || !picture.data) return;
+    if (!context || !shown) return;
+    const { scale, left, top } = mapping;
+    // Past three screen pixels a grey value is shown as it is; a smoothed one would be made up.
+    context.imageSmoothingEnabled = scale * dpr < 3;
     context.imageSmoothingQuality = "high";
-    context.drawImage(picture.data, 0, 0, width, height);
+    context.drawImage(shown, left, top, columns * scale, rows * scale);
     if (!picture.isPlaceholderData) onShown?.(frame);
-  }, [picture.data, picture.isPlaceholderData, frame, width, height, dpr, onShown]);
+  }, [shown, picture.isPlaceholderData, frame, width, height, dpr, mapping, columns, rows, onShown]);
 
   useEffect(() => {
     const context = prepared(above.current, width, height, dpr);
-    if (context && paint) paint(context, width / source.columns);
-  }, [paint, width, height, dpr, source.columns]);
+    if (!context) return;
+    if (paint) {
+      context.save();
+      context.translate(mapping.left, mapping.top);
+      paint(context, mapping.scale);
+      context.restore();
+    }
+    paintStamp(context, { width, height, um_per_screen_px: pixel_size_um / mapping.scale, text: stamp });
+  }, [paint, width, height, dpr, mapping, pixel_size_um, stamp]);
 
   return (
     <div
       ref={ref}
       aria-busy={picture.isFetching}
       className="frame"
-      style={{
-        aspectRatio: `${source.columns} / ${source.rows}`,
-        maxWidth: `calc(72vh * ${source.columns / source.rows})`,
-      }}
+      style={{ aspectRatio: `${columns} / ${rows}`, maxWidth: `calc(72vh * ${columns / rows})` }}
     >
-      <div role="img" aria-label={label}>
+      <div
+        ref={pointer.ref}
+        role="img"
+        aria-label={label}
+        {...pointer.handlers}
+        style={{ cursor: view.zoom > 1 ? "grab" : onPick ? "crosshair" : "default" }}
+      >
         <canvas ref={below} />
         <canvas ref={above} />
       </div>

@@ -17,16 +17,20 @@ it("arrows step, with Shift ten at a time; Home and End go to the ends; the spac
   ]);
 });
 
+it("plus and minus zoom, zero shows the whole frame", () => {
+  expect([press("+"), press("="), press("-"), press("0")]).toEqual(["closer", "closer", "wider", "whole"]);
+});
+
 it("keys that an input or a button uses itself are left to it", () => {
   expect([press("ArrowLeft", "INPUT"), press(" ", "BUTTON")]).toEqual([null, null]);
 });
 
 it("the frames fetched ahead lie in the stack, those to come first", () => {
-  expect(neighbours(5, 100)).toEqual([6, 7, 4]);
+  expect(neighbours(5, 100)).toEqual([6, 7, 8, 4]);
   expect(neighbours(0, 2)).toEqual([1]);
   expect(neighbours(9, 10)).toEqual([8]);
 });
 
 it("pictures come in few sizes, none much smaller than its place", () => {
-  expect([300, 640, 1000, 5000].map(sideFor)).toEqual([600, 600, 1200, 2400]);
+  expect([300, 640, 1000, 5000].map(sideFor)).toEqual([600, 600, 1200, 8192]);
 });

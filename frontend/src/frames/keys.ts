@@ -2,12 +2,14 @@ import type { KeyboardEvent } from "react";
 
 const LEAP = 10;
 
+export type KeyAction = "play" | "closer" | "wider" | "whole" | { frame: number };
+
 /** What a key does in the player; keys that an input or the slider uses itself are left to it. */
 export function keyAction(
   event: Pick<KeyboardEvent, "key" | "shiftKey" | "target">,
   frame: number,
   last: number,
-): "play" | { frame: number } | null {
+): KeyAction | null {
   const target = event.target as HTMLElement;
   if (target.tagName === "INPUT" || target.getAttribute("role") === "slider") return null;
   const step = event.shiftKey ? LEAP : 1;
@@ -22,6 +24,13 @@ export function keyAction(
       return { frame: last };
     case " ":
       return target.tagName === "BUTTON" ? null : "play";
+    case "+":
+    case "=":
+      return "closer";
+    case "-":
+      return "wider";
+    case "0":
+      return "whole";
     default:
       return null;
   }

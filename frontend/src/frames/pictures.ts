@@ -9,36 +9,47 @@ export type FrameSource = {
   n_frames: number;
   rows: number;
   columns: number;
+  pixel_size_um: number;
   /** Checksum of the frames: with it the browser may keep a picture for ever. */
   checksum: string | null;
 };
 
 /** Sides that pictures are asked for, so that nearby window sizes share them in the browser's cache. */
-const SIDES_PX = [600, 1200, 2400];
+const SIDES_PX = [600, 1200];
+/** Above these the whole frame as it is: the service makes it as quickly. */
+const WHOLE_PX = 8192;
 /** Decoded pictures are large: those that nobody looks at go soon; the browser's cache keeps the bytes. */
 const KEEP_MS = 4_000;
-const N_AHEAD = 2;
+const N_AHEAD = 3;
 
 export function sideFor(width_px: number): number {
-  return SIDES_PX.find((side) => side >= width_px * 0.9) ?? (SIDES_PX.at(-1) as number);
+  return SIDES_PX.find((side) => side >= width_px * 0.9) ?? WHOLE_PX;
 }
 
-export function pictureQuery({ experimentId, checksum }: FrameSource, frame: number, max_side: number) {
-  const url = apiUrl(["experiments", experimentId, "frames", `${frame}.webp`], {
-    max_side,
-    v: checksum ?? undefined,
-  });
+export async function fetchPicture(url: string, signal?: AbortSignal): Promise<ImageBitmap> {
+  const answer = await fetch(url, { signal });
+  if (!answer.ok) {
+    const body = await answer.json().catch(() => null);
+    throw new ProblemError(problemFromAnswer(body, answer.status, answer.statusText));
+  }
+  return createImageBitmap(await answer.blob());
+}
+
+function pictureUrl({ experimentId, checksum }: FrameSource, frame: number, max_side: number): string {
+  const query = { max_side, v: checksum ?? undefined };
+  return apiUrl(["experiments", experimentId, "frames", `${frame}.jpg`], query);
+}
+
+/** The frame with all of its pixels. */
+export function wholePictureUrl(source: FrameSource, frame: number): string {
+  return pictureUrl(source, frame, WHOLE_PX);
+}
+
+export function pictureQuery(source: FrameSource, frame: number, max_side: number) {
+  const url = pictureUrl(source, frame, max_side);
   return queryOptions({
     queryKey: ["picture", url],
-    queryFn: async ({ signal }) => {
-      const answer = await fetch(url, { signal });
-      if (!answer.ok) {
-        throw new ProblemError(
-          problemFromAnswer(await answer.json().catch(() => null), answer.status, answer.statusText),
-        );
-      }
-      return createImageBitmap(await answer.blob());
-    },
+    queryFn: ({ signal }) => fetchPicture(url, signal),
     staleTime: Number.POSITIVE_INFINITY,
     gcTime: KEEP_MS,
     structuralSharing: false,

@@ -7,7 +7,7 @@ import { TABS, type Tab } from "./view";
 
 const SizesTab = lazy(async () => ({ default: (await import("./SizesTab")).SizesTab }));
 const TimeTab = lazy(async () => ({ default: (await import("./TimeTab")).TimeTab }));
-const FlowTab = lazy(async () => ({ default: (await import("./FlowTab")).FlowTab }));
+const FramesTab = lazy(async () => ({ default: (await import("./FramesTab")).FramesTab }));
 const SummaryTab = lazy(async () => ({ default: (await import("./SummaryTab")).SummaryTab }));
 const FilesTab = lazy(async () => ({ default: (await import("./FilesTab")).FilesTab }));
 
@@ -15,7 +15,7 @@ const route = getRouteApi("/runs/$runId");
 
 const TAB_TITLES: Record<Tab, string> = {
   sizes: "Sizes",
-  flow: "Droplets and flow",
+  frames: "Droplets",
   time: "Over time",
   summary: "Numbers and parameters",
   files: "Downloads",
@@ -40,8 +40,8 @@ export function ResultTabs({ run, experiment }: { run: Run; experiment: Experime
         <Tabs.Panel value="sizes">
           <SizesTab run={run} />
         </Tabs.Panel>
-        <Tabs.Panel value="flow">
-          {experiment ? <FlowTab run={run} experiment={experiment} /> : <Loading rows={1} height={420} />}
+        <Tabs.Panel value="frames">
+          {experiment ? <FramesTab run={run} experiment={experiment} /> : <Loading rows={1} height={420} />}
         </Tabs.Panel>
         <Tabs.Panel value="time">
           <TimeTab run={run} />

@@ -20,12 +20,12 @@ export function SizesTab({ run }: { run: Run }) {
     () => withCommonColours((before.data ?? null) as Figure | null, (after.data ?? null) as Figure | null),
     [before.data, after.data],
   );
-  const { time, radius, change, clear } = useSharedRanges();
+  const { time, radius, zoom, clear } = useSharedRanges();
   const ranges = useMemo(() => ({ x: time, y: radius }), [time, radius]);
   const plot = {
     height: HEIGHT,
     ranges,
-    onRanges: (changed: Parameters<typeof change>[0]) => change(changed, true),
+    onRanges: zoom,
   };
   return (
     <Panel

@@ -7,9 +7,9 @@ import { useSharedRanges } from "./view";
 
 /** Numbers over time: moments of the sizes, mean and rms of the flow. They share their time axis. */
 export function TimeTab({ run }: { run: Run }) {
-  const { time, change } = useSharedRanges();
+  const { time, zoom } = useSharedRanges();
   const ranges = useMemo(() => ({ x: time }), [time]);
-  const plot = { ranges, onRanges: (changed: Parameters<typeof change>[0]) => change(changed, false) };
+  const plot = { ranges, onRanges: ({ x }: Parameters<typeof zoom>[0]) => zoom({ x }) };
   return (
     <Stack gap="md">
       <Panel title="Sizes over time" about="Bands are one standard deviation of counting.">

@@ -1,5 +1,14 @@
 import { keepPreviousData, queryOptions } from "@tanstack/react-query";
-import { dropletsGet, type FigureName, figuresGet, flowGet, type Run, resultFilesList } from "../client";
+import {
+  dropletsGet,
+  type FigureName,
+  figuresGet,
+  flowGet,
+  type Run,
+  resultFilesList,
+  tailsGet,
+  trajectoriesGet,
+} from "../client";
 import { ProblemError } from "../platform/problem";
 import { isActive } from "../runs/states";
 import { type Availability, availability, STAGES_OF } from "./availability";
@@ -62,6 +71,27 @@ export function flowQuery(run: Run, frame: number) {
     gcTime: KEEP_MS,
     structuralSharing: false,
     ...freshness(available),
+  });
+}
+
+export function tailsQuery(run: Run, frame: number, n_frames: number) {
+  const available = availability(run, "track");
+  const request = { path: { run_id: run.id, frame }, query: { n_frames } };
+  return queryOptions({
+    queryKey: ["runs", run.id, "frames", frame, "tails", n_frames, available],
+    queryFn: ({ signal }) => orNotYet(available, () => tailsGet({ ...request, signal })),
+    gcTime: KEEP_MS,
+    structuralSharing: false,
+    ...freshness(available),
+  });
+}
+
+export function trajectoryQuery(run: Run, trajectoryId: number) {
+  const path = { run_id: run.id, trajectory_id: trajectoryId };
+  return queryOptions({
+    queryKey: ["runs", run.id, "trajectories", trajectoryId],
+    queryFn: async ({ signal }) => (await trajectoriesGet({ path, signal })).data,
+    staleTime: Number.POSITIVE_INFINITY,
   });
 }
 

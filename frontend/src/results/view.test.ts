@@ -2,13 +2,31 @@ import { expect, it } from "vitest";
 import { rangeFromText, rangeToText } from "./ranges";
 import { runSearch } from "./view";
 
-it("the address holds tab, frame, ranges and hidden layers", () => {
-  const search = { tab: "flow", frame: 12, t: "1..5", r: "4..40", hide: ["next"] };
+it("the address holds the whole view", () => {
+  const search = {
+    ...{ tab: "frames", frame: 12, t: "1..5", r: "4..40", at: 3.5, layers: ["next"], colour: "match" },
+    ...{ view: "2,10,20", droplet: 7, map: "vorticity", figure: "growth" },
+  };
   expect(runSearch(search)).toEqual(search);
 });
 
+it("no layer at all is something else than the usual ones", () => {
+  expect(runSearch({ layers: [] }).layers).toEqual([]);
+  expect(runSearch({}).layers).toBeUndefined();
+});
+
 it("what an address says wrongly is passed over", () => {
-  expect(runSearch({ tab: "nonsense", frame: -1, t: "a..b", r: 5, hide: ["what"] })).toEqual({});
+  const wrong = {
+    tab: "nonsense",
+    frame: -1,
+    t: "a..b",
+    r: 5,
+    layers: "what",
+    view: "1",
+    droplet: 1.5,
+    at: "x",
+  };
+  expect(runSearch(wrong)).toEqual({});
 });
 
 it("a range survives its way through the address", () => {

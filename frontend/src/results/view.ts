@@ -1,29 +1,67 @@
 import { getRouteApi } from "@tanstack/react-router";
 import { useMemo } from "react";
+import { viewFromText } from "../frames/viewport";
 import type { rangesFromRelayout } from "./figure";
 import { rangeFromText, rangeToText } from "./ranges";
 
 const route = getRouteApi("/runs/$runId");
 
-export const TABS = ["sizes", "flow", "time", "summary", "files"] as const;
+export const TABS = ["sizes", "frames", "time", "summary", "files"] as const;
 export type Tab = (typeof TABS)[number];
 
-export const LAYERS = ["now", "next", "flow", "interpolated"] as const;
+export const LAYERS = [
+  "now",
+  "predicted",
+  "next",
+  "steps",
+  "tails",
+  "flow",
+  "interpolated",
+  "rejected",
+] as const;
 export type Layer = (typeof LAYERS)[number];
+export const USUAL_LAYERS: Layer[] = ["now", "predicted", "next", "flow", "interpolated"];
+
+export const COLOURINGS = ["match", "radius"] as const;
+export type Colouring = (typeof COLOURINGS)[number];
 
 /** What the address of a run's page says: the whole view, so that it can be sent. */
-export type RunSearch = { tab?: Tab; frame?: number; t?: string; r?: string; hide?: Layer[] };
+export type RunSearch = {
+  tab?: Tab;
+  frame?: number;
+  /** Range of time in seconds. */
+  t?: string;
+  /** Range of radius in micrometres. */
+  r?: string;
+  /** A moment in seconds, where one is looked at. */
+  at?: number;
+  layers?: Layer[];
+  colour?: Colouring;
+  /** Part of the frame that is seen. */
+  view?: string;
+  /** Trajectory that is looked at. */
+  droplet?: number;
+  /** What is drawn below the arrows of the flow. */
+  map?: string;
+  figure?: string;
+};
 
 export function runSearch(search: Record<string, unknown>): RunSearch {
-  const hide = Array.isArray(search.hide)
-    ? LAYERS.filter((layer) => (search.hide as unknown[]).includes(layer))
-    : [];
+  const layers = Array.isArray(search.layers)
+    ? LAYERS.filter((layer) => (search.layers as unknown[]).includes(layer))
+    : undefined;
   return {
     tab: TABS.find((tab) => tab === search.tab),
     frame: frameOf(search),
     t: rangeFromText(asText(search.t)) && asText(search.t),
     r: rangeFromText(asText(search.r)) && asText(search.r),
-    hide: hide.length > 0 ? hide : undefined,
+    at: asNumber(search.at),
+    layers,
+    colour: COLOURINGS.find((colour) => colour === search.colour),
+    view: viewFromText(asText(search.view)) && asText(search.view),
+    droplet: Number.isInteger(asNumber(search.droplet)) ? asNumber(search.droplet) : undefined,
+    map: asText(search.map),
+    figure: asText(search.figure),
   };
 }
 
@@ -36,30 +74,31 @@ function asText(value: unknown): string | undefined {
   return typeof value === "string" ? value : undefined;
 }
 
-/** The ranges of time and radius that every plot of a run shares, kept in the address. */
-export function useSharedRanges() {
-  const { t, r } = route.useSearch();
-  const navigate = route.useNavigate();
-  const time = useMemo(() => rangeFromText(t), [t]);
-  const radius = useMemo(() => rangeFromText(r), [r]);
+function asNumber(value: unknown): number | undefined {
+  return typeof value === "number" && Number.isFinite(value) ? value : undefined;
+}
 
-  const change = ({ x, y }: ReturnType<typeof rangesFromRelayout>, isRadius: boolean) => {
-    if (x === undefined && (y === undefined || !isRadius)) return;
-    void navigate({
-      search: (old) => ({
-        ...old,
-        t: x === undefined ? old.t : x ? rangeToText(x) : undefined,
-        r: y === undefined || !isRadius ? old.r : y ? rangeToText(y) : undefined,
-      }),
-      replace: true,
-      resetScroll: false,
+/** Change a part of the view; the address follows without a step in the browser's history. */
+export function useView() {
+  const search = route.useSearch();
+  const navigate = route.useNavigate();
+  const change = (part: Partial<RunSearch>) =>
+    void navigate({ search: (old) => ({ ...old, ...part }), replace: true, resetScroll: false });
+  return { search, change };
+}
+
+/** The ranges of time (s) and radius (um) that every plot of a run shares, kept in the address. */
+export function useSharedRanges() {
+  const { search, change } = useView();
+  const time = useMemo(() => rangeFromText(search.t), [search.t]);
+  const radius = useMemo(() => rangeFromText(search.r), [search.r]);
+  /** What a zoom by hand changed; `null` takes a range back, what is not said stays. */
+  const zoom = ({ x, y }: ReturnType<typeof rangesFromRelayout>) => {
+    if (x === undefined && y === undefined) return;
+    change({
+      ...(x === undefined ? {} : { t: x ? rangeToText(x) : undefined }),
+      ...(y === undefined ? {} : { r: y ? rangeToText(y) : undefined }),
     });
   };
-  const clear = () =>
-    navigate({
-      search: (old) => ({ ...old, t: undefined, r: undefined }),
-      replace: true,
-      resetScroll: false,
-    });
-  return { time, radius, change, clear };
+  return { time, radius, zoom, clear: () => change({ t: undefined, r: undefined }) };
 }

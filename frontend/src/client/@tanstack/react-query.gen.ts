@@ -3,8 +3,8 @@
 import { type InfiniteData, infiniteQueryOptions, queryOptions, type UseMutationOptions } from '@tanstack/react-query';
 
 import { client } from '../client.gen';
-import { dropletsGet, experimentsCreate, experimentsDelete, experimentsGet, experimentsList, experimentsUpdate, figuresGet, filesList, filesUpload, flowGet, framesPicture, healthGet, type Options, resultFilesDownload, resultFilesList, runsCancel, runsCreate, runsDelete, runsGet, runsList, runsListAll, runsRetry, schemasGetExperiment, schemasGetParameters, stackComplete, stackDelete } from '../sdk.gen';
-import type { DropletsGetData, DropletsGetError, DropletsGetResponse, ExperimentsCreateData, ExperimentsCreateError, ExperimentsCreateResponse, ExperimentsDeleteData, ExperimentsDeleteError, ExperimentsDeleteResponse, ExperimentsGetData, ExperimentsGetError, ExperimentsGetResponse, ExperimentsListData, ExperimentsListError, ExperimentsListResponse, ExperimentsUpdateData, ExperimentsUpdateError, ExperimentsUpdateResponse, FiguresGetData, FiguresGetError, FiguresGetResponse, FilesListData, FilesListError, FilesListResponse, FilesUploadData, FilesUploadError, FilesUploadResponse, FlowGetData, FlowGetError, FlowGetResponse, FramesPictureData, FramesPictureError, HealthGetData, HealthGetError, HealthGetResponse, ResultFilesDownloadData, ResultFilesDownloadError, ResultFilesDownloadResponse, ResultFilesListData, ResultFilesListError, ResultFilesListResponse, RunsCancelData, RunsCancelError, RunsCancelResponse, RunsCreateData, RunsCreateError, RunsCreateResponse, RunsDeleteData, RunsDeleteError, RunsDeleteResponse, RunsGetData, RunsGetError, RunsGetResponse, RunsListAllData, RunsListAllError, RunsListAllResponse, RunsListData, RunsListError, RunsListResponse, RunsRetryData, RunsRetryError, RunsRetryResponse, SchemasGetExperimentData, SchemasGetExperimentError, SchemasGetExperimentResponse, SchemasGetParametersData, SchemasGetParametersError, SchemasGetParametersResponse, StackCompleteData, StackCompleteError, StackCompleteResponse, StackDeleteData, StackDeleteError, StackDeleteResponse } from '../types.gen';
+import { dropletsGet, experimentsCreate, experimentsDelete, experimentsGet, experimentsList, experimentsUpdate, figuresGet, filesList, filesUpload, flowGet, framesPicture, healthGet, type Options, resultFilesDownload, resultFilesList, runsCancel, runsCreate, runsDelete, runsGet, runsList, runsListAll, runsRetry, schemasGetExperiment, schemasGetParameters, stackComplete, stackDelete, tailsGet, trajectoriesGet } from '../sdk.gen';
+import type { DropletsGetData, DropletsGetError, DropletsGetResponse, ExperimentsCreateData, ExperimentsCreateError, ExperimentsCreateResponse, ExperimentsDeleteData, ExperimentsDeleteError, ExperimentsDeleteResponse, ExperimentsGetData, ExperimentsGetError, ExperimentsGetResponse, ExperimentsListData, ExperimentsListError, ExperimentsListResponse, ExperimentsUpdateData, ExperimentsUpdateError, ExperimentsUpdateResponse, FiguresGetData, FiguresGetError, FiguresGetResponse, FilesListData, FilesListError, FilesListResponse, FilesUploadData, FilesUploadError, FilesUploadResponse, FlowGetData, FlowGetError, FlowGetResponse, FramesPictureData, FramesPictureError, HealthGetData, HealthGetError, HealthGetResponse, ResultFilesDownloadData, ResultFilesDownloadError, ResultFilesDownloadResponse, ResultFilesListData, ResultFilesListError, ResultFilesListResponse, RunsCancelData, RunsCancelError, RunsCancelResponse, RunsCreateData, RunsCreateError, RunsCreateResponse, RunsDeleteData, RunsDeleteError, RunsDeleteResponse, RunsGetData, RunsGetError, RunsGetResponse, RunsListAllData, RunsListAllError, RunsListAllResponse, RunsListData, RunsListError, RunsListResponse, RunsRetryData, RunsRetryError, RunsRetryResponse, SchemasGetExperimentData, SchemasGetExperimentError, SchemasGetExperimentResponse, SchemasGetParametersData, SchemasGetParametersError, SchemasGetParametersResponse, StackCompleteData, StackCompleteError, StackCompleteResponse, StackDeleteData, StackDeleteError, StackDeleteResponse, TailsGetData, TailsGetError, TailsGetResponse, TrajectoriesGetData, TrajectoriesGetError, TrajectoriesGetResponse } from '../types.gen';
 
 export type QueryKey<TOptions extends Options> = [
     Pick<TOptions, 'baseUrl' | 'body' | 'headers' | 'path' | 'query'> & {
@@ -615,6 +615,26 @@ export const flowGetOptions = (options: Options<FlowGetData>) => queryOptions<Fl
     queryKey: flowGetQueryKey(options)
 });
 
+export const tailsGetQueryKey = (options: Options<TailsGetData>) => createQueryKey('tailsGet', options);
+
+/**
+ * Tails Get
+ *
+ * Get where the droplets of a frame were in the frames before.
+ */
+export const tailsGetOptions = (options: Options<TailsGetData>) => queryOptions<TailsGetResponse, TailsGetError, TailsGetResponse, ReturnType<typeof tailsGetQueryKey>>({
+    queryFn: async ({ queryKey, signal }) => {
+        const { data } = await tailsGet({
+            ...options,
+            ...queryKey[0],
+            signal,
+            throwOnError: true
+        });
+        return data;
+    },
+    queryKey: tailsGetQueryKey(options)
+});
+
 /**
  * Runs Retry
  *
@@ -633,6 +653,26 @@ export const runsRetryMutation = (options?: Partial<Options<RunsRetryData>>): Us
     };
     return mutationOptions;
 };
+
+export const trajectoriesGetQueryKey = (options: Options<TrajectoriesGetData>) => createQueryKey('trajectoriesGet', options);
+
+/**
+ * Trajectories Get
+ *
+ * Get size, place and velocity of one droplet over time.
+ */
+export const trajectoriesGetOptions = (options: Options<TrajectoriesGetData>) => queryOptions<TrajectoriesGetResponse, TrajectoriesGetError, TrajectoriesGetResponse, ReturnType<typeof trajectoriesGetQueryKey>>({
+    queryFn: async ({ queryKey, signal }) => {
+        const { data } = await trajectoriesGet({
+            ...options,
+            ...queryKey[0],
+            signal,
+            throwOnError: true
+        });
+        return data;
+    },
+    queryKey: trajectoriesGetQueryKey(options)
+});
 
 export const schemasGetExperimentQueryKey = (options?: Options<SchemasGetExperimentData>) => createQueryKey('schemasGetExperiment', options);
 

@@ -1,0 +1,245 @@
+import { Box, Group, SegmentedControl, Stack, Text } from "@mantine/core";
+import { keepPreviousData, useQuery, useQueryClient } from "@tanstack/react-query";
+import { useCallback, useEffect, useMemo } from "react";
+import type { Experiment, FrameDroplets, Run } from "../client";
+import { FramePlayer } from "../frames/FramePlayer";
+import type { Painter } from "../frames/pen";
+import { neighbours } from "../frames/pictures";
+import { frameSource, timeOfFrame } from "../frames/source";
+import { viewFromText, viewToText } from "../frames/viewport";
+import { formatNumber, plural } from "../platform/format";
+import { Panel } from "../platform/Panel";
+import { ProblemAlert } from "../platform/ProblemAlert";
+import { toProblem } from "../platform/problem";
+import { type ArrowField, arrowsOf } from "./arrows";
+import { availability } from "./availability";
+import { colourSteps, scaleOf } from "./colours";
+import { DropletPanel } from "./DropletPanel";
+import { LayerSwitches } from "./LayerSwitches";
+import { NotYet } from "./NotYet";
+import { dropletAt, type OverlayData, overlayPainter } from "./overlay";
+import { dropletsQuery, flowQuery, tailsQuery } from "./queries";
+import { type Colouring, LAYERS, type Layer, USUAL_LAYERS, useView } from "./view";
+
+/** Frame by frame: the droplets, where they come from and go to, and the flow. */
+export function FramesTab({ run, experiment }: { run: Run; experiment: Experiment }) {
+  const { search, change } = useView();
+  const { frame = 0, layers = USUAL_LAYERS, colour, view, droplet } = search;
+  const source = useMemo(() => frameSource(experiment), [experiment]);
+  const shown = Math.min(frame, (source?.n_frames ?? 1) - 1);
+  const isTracked = availability(run, "track") === "whole";
+  const found = useFrameResults(run, shown, source?.n_frames ?? 1, layers);
+  const { droplets, field, error, isThere } = found;
+  const colouring = useMemo(() => colouringOf(droplets, colour), [droplets, colour]);
+  const dress = useCallback(
+    (data: OverlayData) =>
+      overlayPainter({ ...data, chosen: droplet, colouring }, (layer) => layers.includes(layer)),
+    [droplet, colouring, layers],
+  );
+  const { tails } = found;
+  const paint = useMemo(() => dress({ droplets, field, tails }), [dress, droplets, field, tails]);
+  const painterOf = usePainterOf(run, layers, dress);
+  if (!source) return <NotYet run={run} />;
+
+  const toggle = (layer: Layer) => {
+    const next = layers.includes(layer) ? layers.filter((one) => one !== layer) : [...layers, layer];
+    change({ layers: LAYERS.filter((one) => next.includes(one)) });
+  };
+  const pick = (point: Parameters<typeof dropletAt>[1]) => {
+    const index = droplets ? dropletAt(droplets, point) : null;
+    change({ droplet: index === null ? undefined : droplets?.trajectory_id?.[index] });
+  };
+
+  return (
+    <Panel
+      title="Droplets, frame by frame"
+      about={describe(droplets, shown)}
+      actions={field && <ArrowKey field={field} />}
+    >
+      {error && <ProblemAlert problem={toProblem(error)} />}
+      <div className="viewer">
+        <Box miw={0}>
+          <FramePlayer
+            source={source}
+            frame={shown}
+            onFrame={(to) => change({ frame: to })}
+            paint={paint}
+            painterOf={painterOf}
+            label={`Frame ${shown} with droplets and flow. ${describe(droplets, shown)}`}
+            timeOf={(which) => timeOfFrame(experiment, which)}
+            view={viewFromText(view)}
+            onView={(next) => change({ view: viewToText(next) })}
+            onPick={isTracked ? pick : undefined}
+            fileName={`${String(experiment.experiment.name)}-run-${run.number}`}
+            beside={
+              <ColourSwitch
+                colour={colour}
+                colouring={colouring}
+                onChange={(next) => change({ colour: next })}
+              />
+            }
+          />
+        </Box>
+        <Stack gap="sm">
+          <LayerSwitches shown={layers} offered={isTracked ? TRACKED_LAYERS : ["now"]} onToggle={toggle} />
+          {droplet === undefined ? (
+            <HowTo />
+          ) : (
+            <DropletPanel
+              run={run}
+              trajectoryId={droplet}
+              frame={shown}
+              onFrame={(to) => change({ frame: to })}
+              onClose={() => change({ droplet: undefined })}
+            />
+          )}
+        </Stack>
+      </div>
+      {isThere && !droplets && <NotYet run={run} />}
+    </Panel>
+  );
+}
+
+const TRACKED_LAYERS: Layer[] = ["now", "predicted", "next", "steps", "tails", "flow", "interpolated"];
+const N_TAIL_FRAMES = 15;
+
+function HowTo() {
+  return (
+    <Text fz="sm" c="dimmed" component="div">
+      <p style={{ marginTop: 0 }}>
+        <b>Click a droplet</b> to see its size and velocity over time.
+      </p>
+      <p>
+        <b>Double click</b>, or Ctrl and the wheel, zooms; drag to move.
+      </p>
+      <p style={{ marginBottom: 0 }}>
+        <b>Keys:</b> arrows step one frame, with Shift ten; Home and End go to the first and last; the space
+        bar plays; + − 0 zoom.
+      </p>
+    </Text>
+  );
+}
+
+/** What a run knows of one frame; the droplets of detection stand in until tracking is through. */
+function useFrameResults(run: Run, frame: number, n_frames: number, layers: readonly Layer[]) {
+  const cache = useQueryClient();
+  const isTracked = availability(run, "track") === "whole";
+  const which = isTracked ? "tracked" : "detected";
+  const hasTails = isTracked && layers.includes("tails");
+  const droplets = useQuery({ ...dropletsQuery(run, frame, which), placeholderData: keepPreviousData });
+  const flow = useQuery({ ...flowQuery(run, frame), placeholderData: keepPreviousData });
+  const tails = useQuery({
+    ...tailsQuery(run, frame, N_TAIL_FRAMES),
+    enabled: hasTails,
+    placeholderData: keepPreviousData,
+  });
+  useEffect(() => {
+    if (!isTracked) return;
+    for (const near of neighbours(frame, n_frames)) {
+      void cache.prefetchQuery(dropletsQuery(run, near, "tracked"));
+      void cache.prefetchQuery(flowQuery(run, near));
+      if (hasTails) void cache.prefetchQuery(tailsQuery(run, near, N_TAIL_FRAMES));
+    }
+  }, [run, frame, n_frames, isTracked, hasTails, cache]);
+  const field = useMemo(() => (flow.data ? arrowsOf(flow.data) : null), [flow.data]);
+  return {
+    droplets: droplets.data ?? null,
+    field,
+    tails: hasTails ? (tails.data ?? null) : null,
+    error: droplets.error ?? flow.error ?? tails.error,
+    isThere: !droplets.isPending,
+  };
+}
+
+/** What is drawn over any frame, for films. */
+function usePainterOf(run: Run, layers: readonly Layer[], dress: (data: OverlayData) => Painter) {
+  const cache = useQueryClient();
+  return useCallback(
+    async (frame: number) => {
+      const isTracked = availability(run, "track") === "whole";
+      const [droplets, flow, tails] = await Promise.all([
+        cache.fetchQuery(dropletsQuery(run, frame, isTracked ? "tracked" : "detected")),
+        cache.fetchQuery(flowQuery(run, frame)),
+        layers.includes("tails") ? cache.fetchQuery(tailsQuery(run, frame, N_TAIL_FRAMES)) : null,
+      ]);
+      return dress({ droplets, field: flow && arrowsOf(flow), tails });
+    },
+    [cache, run, layers, dress],
+  );
+}
+
+function colouringOf(droplets: FrameDroplets | null, by: Colouring | undefined): OverlayData["colouring"] {
+  if (!by || !droplets) return undefined;
+  return { by, scale: scaleOf(by === "match" ? droplets.match : droplets.r_px) };
+}
+
+type ColourSwitchProps = {
+  colour: Colouring | undefined;
+  colouring: OverlayData["colouring"];
+  onChange: (colour: Colouring | undefined) => void;
+};
+
+/** One colour for all droplets, or one that says match or radius, with its scale. */
+function ColourSwitch({ colour, colouring, onChange }: ColourSwitchProps) {
+  return (
+    <Group gap="sm" wrap="nowrap">
+      <SegmentedControl
+        size="xs"
+        aria-label="Colour of the droplets"
+        value={colour ?? "plain"}
+        onChange={(value) => onChange(value === "plain" ? undefined : (value as Colouring))}
+        data={[
+          { value: "plain", label: "One colour" },
+          { value: "match", label: "By match" },
+          { value: "radius", label: "By radius" },
+        ]}
+      />
+      {colouring && (
+        <Group gap={6} wrap="nowrap">
+          <Text fz="xs" className="numbers">
+            {formatNumber(colouring.scale.low, 2)}
+          </Text>
+          <span
+            aria-hidden
+            className="colour-bar"
+            style={{ backgroundImage: `linear-gradient(90deg, ${colourSteps().join()})` }}
+          />
+          <Text fz="xs" className="numbers" style={{ whiteSpace: "nowrap" }}>
+            {formatNumber(colouring.scale.high, 2)}
+            {colouring.by === "radius" && " px"}
+          </Text>
+        </Group>
+      )}
+    </Group>
+  );
+}
+
+function describe(droplets: FrameDroplets | null, frame: number): string {
+  if (!droplets) return "";
+  const n = droplets.x_px.length;
+  if (!droplets.is_detected) return `${plural(n, "droplet")} detected in frame ${frame}.`;
+  const n_predicted = droplets.is_detected.filter((isDetected) => !isDetected).length;
+  const n_going_on = droplets.next_x_px?.filter((x) => x != null).length ?? 0;
+  const found = n_predicted > 0 ? `, ${n_predicted} of them found by prediction (dashed)` : "";
+  return `${plural(n, "droplet")} on trajectories in frame ${frame}${found}; ${n_going_on} go on to the next frame.`;
+}
+
+/** How fast an arrow of what length is. */
+export function ArrowKey({ field }: { field: ArrowField }) {
+  return (
+    <Group gap={6} wrap="nowrap">
+      <svg width="44" height="12" aria-hidden="true">
+        <path
+          d="M2 6H40M33 2l7 4-7 4"
+          fill="none"
+          stroke="currentColor"
+          strokeWidth="1.6"
+          strokeLinecap="round"
+        />
+      </svg>
+      <Text fz="sm" c="dimmed" className="numbers">
+        {formatNumber(field.key_um_s)} µm/s: {formatNumber(field.key_px, 2)} px
+      </Text>
+    </Group>
+  );
+}
