@@ -4,7 +4,7 @@ import asyncio
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
-from fastapi import APIRouter, FastAPI
+from fastapi import APIRouter, Depends, FastAPI
 from sqlalchemy.exc import ProgrammingError
 from starlette.types import Lifespan
 
@@ -19,9 +19,11 @@ from backend.platform import problems
 from backend.platform.bodies import BoundedBodies
 from backend.platform.database import make_engine, make_sessions
 from backend.platform.dependencies import Platform
+from backend.platform.entity_tags import TaggedAnswers
 from backend.platform.events import Listener
 from backend.platform.logging import set_up_logging
 from backend.platform.measures import Measured, Measures
+from backend.platform.media import check_media
 from backend.platform.object_store import ObjectStore
 from backend.platform.openapi import document
 from backend.platform.origins import LocalOnly
@@ -48,6 +50,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     set_up_logging(settings.log_level)
     app = bare_app(_lifespan(settings))
     app.state.measures = Measures()
+    app.add_middleware(TaggedAnswers)
     app.add_middleware(BoundedBodies, max_bytes=settings.max_body_bytes)
     if settings.auth == "local":
         app.add_middleware(LocalOnly)
@@ -70,7 +73,7 @@ def bare_app(lifespan: Lifespan[FastAPI] | None = None) -> FastAPI:
         generate_unique_id_function=lambda route: route.name,
         lifespan=lifespan,
     )
-    api = APIRouter(prefix=API)
+    api = APIRouter(prefix=API, dependencies=[Depends(check_media)])
     for router in (health, forms, experiments, stacks, runs, results, trajectories):
         api.include_router(router)
     app.include_router(api)

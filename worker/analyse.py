@@ -5,6 +5,7 @@ import json
 from backend.platform.object_store import product_prefix
 from dropflow import pipeline
 from worker.context import Context
+from worker.downloadable import described
 from worker.film import load_prepared, prefixes
 from worker.leases import Lease
 from worker.outcomes import NewProduct, publish
@@ -27,5 +28,5 @@ def work(context: Context, lease: Lease) -> None:
     content = (json.dumps(summary, indent=2, allow_nan=False) + "\n").encode()
     prefix = product_prefix(claim.experiment_id, claim.shard_id, claim.fence)
     context.store.put(prefix + SUMMARY_FILE, content)
-    files = [{"name": SUMMARY_FILE, "size_bytes": len(content), "media_type": "application/json"}]
-    publish(context, claim, NewProduct(prefix, files, summary=summary))
+    file = described(SUMMARY_FILE, "application/json", [content], lease)
+    publish(context, claim, NewProduct(prefix, [file], summary=summary))

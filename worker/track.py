@@ -4,13 +4,14 @@ import json
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pyarrow as pa
 import pyarrow.parquet as pq
 
 from backend.platform.object_store import ObjectStore, product_prefix
 from backend.platform.packing import pack
-from backend.platform.zip_stream import stored_zip_bytes
+from backend.platform.zip_stream import zip_stream
 from dropflow import pipeline
 from dropflow.detections import write_droplets
 from dropflow.provenance import provenance
@@ -18,6 +19,7 @@ from dropflow.statistics.flow_moments import flow_moments
 from dropflow.statistics.histograms import FrameHistograms
 from worker.context import Context
 from worker.detect import DROPLETS_FILE, count
+from worker.downloadable import described, pieces_of
 from worker.film import PreparedFilm, load_prepared, prefixes
 from worker.leases import Lease
 from worker.outcomes import NewProduct, publish
@@ -53,7 +55,7 @@ def work(context: Context, lease: Lease) -> None:
         flow = pack(flow_moments(folder / FLOW, film.experiment.up))
         prefix = product_prefix(claim.experiment_id, claim.shard_id, claim.fence)
         _store(context.store, folder, prefix, lease)
-        publish(context, claim, NewProduct(prefix, _files(folder), sizes, flow))
+        publish(context, claim, NewProduct(prefix, _files(folder, lease), sizes, flow))
 
 
 def _join(store: ObjectStore, film: PreparedFilm, parts: list[str], folder: Path, lease: Lease) -> None:
@@ -93,8 +95,9 @@ def _flow_files(folder: Path) -> list[Path]:
     return sorted(path for path in (folder / FLOW).rglob("*") if path.is_file())
 
 
-def _files(folder: Path) -> list[dict[str, object]]:
-    members = [(path.relative_to(folder).as_posix(), path.stat().st_size) for path in _flow_files(folder)]
-    tables = [{"name": name, "size_bytes": (folder / name).stat().st_size, "media_type": _PARQUET} for name in TABLES]
-    flow = {"name": f"{FLOW}.zip", "size_bytes": stored_zip_bytes(members), "media_type": "application/zip"}
-    return [*tables, flow]
+def _files(folder: Path, lease: Lease) -> list[dict[str, Any]]:
+    """What can be fetched; the flow field as the very archive that the service streams: members sorted by key."""
+    tables = [described(name, _PARQUET, pieces_of(folder / name), lease) for name in TABLES]
+    members = sorted(path.relative_to(folder).as_posix() for path in _flow_files(folder))
+    archive = zip_stream((name, (folder / name).read_bytes()) for name in members)
+    return [*tables, described(f"{FLOW}.zip", "application/zip", archive, lease)]

@@ -4,7 +4,7 @@ from http import HTTPStatus
 from typing import Annotated
 from uuid import UUID
 
-from fastapi import APIRouter, Depends, Query
+from fastapi import APIRouter, Depends, Query, Response
 from fastapi.concurrency import run_in_threadpool
 from fastapi.sse import EventSourceResponse
 
@@ -13,7 +13,9 @@ from backend.experiments.errors import NoSuchExperiment, RunActive
 from backend.experiments.schemas import ChangeExperiment, Experiment, ExperimentQuery, Experiments, NewExperiment
 from backend.people.errors import NoSuchGroup
 from backend.platform.dependencies import PlatformDependency, SessionDependency, ViewerDependency
+from backend.platform.entity_tags import ChangedMeanwhile, IfMatch, tag_of
 from backend.platform.events import experiment_topic
+from backend.platform.idempotency import KeyOfAnother, MadeAndDeleted, OnceDependency
 from backend.platform.live import Changes, follow
 from backend.platform.problems import InvalidRequest, responses
 
@@ -28,24 +30,47 @@ def experiments_list(
     return service.page(session, viewer, query)
 
 
-@router.post("", status_code=HTTPStatus.CREATED, responses=responses(NoSuchGroup, InvalidRequest))
-def experiments_create(session: SessionDependency, viewer: ViewerDependency, new: NewExperiment) -> Experiment:
+@router.post(
+    "",
+    status_code=HTTPStatus.CREATED,
+    responses=responses(NoSuchGroup, MadeAndDeleted, KeyOfAnother, InvalidRequest),
+)
+def experiments_create(
+    session: SessionDependency, viewer: ViewerDependency, once: OnceDependency, new: NewExperiment
+) -> Experiment:
     """Describe what was filmed. Its frames are uploaded next."""
-    return service.shown(session, service.create(session, viewer, new.experiment, new.group_id))
+    made = once.create(
+        lambda: service.create(session, viewer, new.experiment, new.group_id),
+        lambda experiment_id: service.get(session, viewer, experiment_id),
+    )
+    return service.shown(session, made)
+
+
+def _tagged(answer: Response, shown: Experiment) -> Experiment:
+    answer.headers["ETag"] = tag_of(shown.experiment, shown)
+    return shown
 
 
 @router.get("/{experiment_id}", responses=responses(NoSuchExperiment, InvalidRequest))
-def experiments_get(session: SessionDependency, viewer: ViewerDependency, experiment_id: UUID) -> Experiment:
+def experiments_get(
+    session: SessionDependency, viewer: ViewerDependency, experiment_id: UUID, answer: Response
+) -> Experiment:
     """Look at one experiment."""
-    return service.shown(session, service.get(session, viewer, experiment_id))
+    return _tagged(answer, service.shown(session, service.get(session, viewer, experiment_id)))
 
 
-@router.patch("/{experiment_id}", responses=responses(NoSuchExperiment, RunActive, InvalidRequest))
+@router.patch("/{experiment_id}", responses=responses(NoSuchExperiment, RunActive, ChangedMeanwhile, InvalidRequest))
 def experiments_update(
-    session: SessionDependency, viewer: ViewerDependency, experiment_id: UUID, change: ChangeExperiment
+    session: SessionDependency,
+    viewer: ViewerDependency,
+    experiment_id: UUID,
+    change: ChangeExperiment,
+    answer: Response,
+    if_match: IfMatch = None,
 ) -> Experiment:
     """Replace the description. Refused while a run goes on; finished runs keep the description they were made with."""
-    return service.shown(session, service.change(session, viewer, experiment_id, change.experiment))
+    changed = service.change(session, viewer, experiment_id, change.experiment, if_match)
+    return _tagged(answer, service.shown(session, changed))
 
 
 @router.delete(

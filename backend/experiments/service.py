@@ -14,6 +14,7 @@ from backend.models.states import StackState
 from backend.people.schemas import Group
 from backend.people.service import group_for_new
 from backend.platform.dependencies import Platform
+from backend.platform.entity_tags import check_unchanged
 from backend.platform.events import announce, experiment_topic
 from backend.platform.object_store import experiment_prefix
 from backend.platform.problems import Problem
@@ -70,10 +71,13 @@ def create(session: Session, viewer: Viewer, document: dict[str, Any], group_id:
     return experiment
 
 
-def change(session: Session, viewer: Viewer, experiment_id: UUID, document: dict[str, Any]) -> Experiment:
-    """Replace the document, unless something is being made from it."""
+def change(
+    session: Session, viewer: Viewer, experiment_id: UUID, document: dict[str, Any], if_match: str | None = None
+) -> Experiment:
+    """Replace the document, unless something is being made from it or another person changed it meanwhile."""
     parsed = read_document(document)
     experiment = get_locked(session, viewer, experiment_id)
+    check_unchanged(if_match, experiment.document)
     if experiment.stack.state == StackState.INDEXING:
         raise StackIndexing
     _refuse_during_run(session, experiment, "changed")

@@ -3,6 +3,7 @@
 from backend.models.base import Base
 from backend.models.experiments import Experiment, File, Stack
 from backend.models.people import Group, Membership, Person
+from backend.models.requests import IdempotencyKey
 from backend.models.runs import DoomedObject, FrameSummary, Product, Run, Shard, Speed, Stage, Tally
 
 __all__ = [
@@ -12,6 +13,7 @@ __all__ = [
     "File",
     "FrameSummary",
     "Group",
+    "IdempotencyKey",
     "Membership",
     "Person",
     "Product",

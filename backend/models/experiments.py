@@ -3,7 +3,7 @@
 from datetime import datetime
 from uuid import UUID
 
-from sqlalchemy import BigInteger, ForeignKey, String, UniqueConstraint, func
+from sqlalchemy import BigInteger, ForeignKey, Index, String, UniqueConstraint, func
 from sqlalchemy.orm import Mapped, mapped_column, relationship
 
 from backend.models.base import Base, Dated, Identified, Json, one_of
@@ -15,8 +15,9 @@ class Experiment(Identified, Dated, Base):
     """What was filmed. `document` is the content of experiment.yaml, validated by the library."""
 
     __tablename__ = "experiment"
+    __table_args__ = (Index("ix_experiment_newest", "group_id", "created_at", "id"),)
 
-    group_id: Mapped[UUID] = mapped_column(ForeignKey("group_.id"), index=True)
+    group_id: Mapped[UUID] = mapped_column(ForeignKey("group_.id"))
     document: Mapped[Json]
     updated_at: Mapped[datetime] = mapped_column(server_default=func.now(), onupdate=func.now())
 

@@ -15,7 +15,7 @@ class Run(Identified, Dated, Base):
     """One analysis of one experiment with one set of parameters."""
 
     __tablename__ = "run"
-    __table_args__ = (UniqueConstraint("experiment_id", "number"),)
+    __table_args__ = (UniqueConstraint("experiment_id", "number"), Index("ix_run_newest", "created_at", "id"))
 
     experiment_id: Mapped[UUID] = mapped_column(ForeignKey("experiment.id", ondelete="CASCADE"))
     person_id: Mapped[UUID | None] = mapped_column(ForeignKey("person.id", ondelete="SET NULL"))

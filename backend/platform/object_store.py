@@ -56,9 +56,12 @@ class ObjectStore:
         """The whole of a small object."""
         return bytes(obstore.get(self.store, key).bytes())
 
-    def stream(self, key: str) -> Iterator[bytes]:
-        """An object piece by piece."""
-        for chunk in obstore.get(self.store, key).stream(min_chunk_size=READ_BYTES):
+    def stream(self, key: str, start: int = 0, stop: int | None = None) -> Iterator[bytes]:
+        """An object, or its bytes from `start` until before `stop`, piece by piece."""
+        if stop is not None and stop <= start:
+            return
+        found = obstore.get(self.store, key, options=None if stop is None else {"range": (start, stop)})
+        for chunk in found.stream(min_chunk_size=READ_BYTES):
             yield bytes(chunk)
 
     def open(self, key: str) -> BinaryIO:

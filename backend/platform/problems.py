@@ -13,6 +13,7 @@ from sqlalchemy.exc import OperationalError
 from sqlalchemy.exc import TimeoutError as PoolExhausted
 from starlette.exceptions import HTTPException
 
+from backend.platform.methods import allowed_methods
 from dropflow.errors import DropflowError, FieldProblem
 
 MEDIA_TYPE = "application/problem+json"
@@ -103,9 +104,13 @@ def _expected(_: Request, error: Exception) -> JSONResponse:
     return problem_response(problem_of(error))
 
 
-def _http(_: Request, error: Exception) -> JSONResponse:
+def _http(request: Request, error: Exception) -> JSONResponse:
     assert isinstance(error, HTTPException)  # noqa: S101 - registered for this kind
-    return problem_response(http_problem(error), error.headers)
+    headers = dict(error.headers or {})
+    if error.status_code == HTTPStatus.METHOD_NOT_ALLOWED:
+        # The router names the methods of the first of several calls at one address.
+        headers["Allow"] = allowed_methods(request.app.openapi(), request.url.path) or headers.get("Allow", "")
+    return problem_response(http_problem(error), headers)
 
 
 def http_problem(error: HTTPException) -> Problem:

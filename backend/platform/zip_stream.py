@@ -6,13 +6,6 @@ from collections.abc import Iterable, Iterator
 
 # The same bytes for the same content, whenever it is asked for.
 _DATE = (1980, 1, 1, 0, 0, 0)
-_PER_MEMBER_BYTES = 30 + 46 + 16  # local header, central entry, data descriptor
-_END_BYTES = 22
-
-
-def stored_zip_bytes(members: Iterable[tuple[str, int]]) -> int:
-    """Exact size of the archive `zip_stream` makes of members (name, size); ZIP64 is never needed for these."""
-    return _END_BYTES + sum(_PER_MEMBER_BYTES + 2 * len(name.encode()) + size for name, size in members)
 
 
 def zip_stream(members: Iterable[tuple[str, bytes]]) -> Iterator[bytes]:
@@ -24,6 +17,17 @@ def zip_stream(members: Iterable[tuple[str, bytes]]) -> Iterator[bytes]:
                 member.write(content)
             yield sink.take()
     yield sink.take()
+
+
+def part(pieces: Iterable[bytes], start: int, stop: int) -> Iterator[bytes]:
+    """The bytes from `start` until before `stop` of what `pieces` come to."""
+    at = 0
+    for piece in pieces:
+        if at >= stop:
+            return
+        if wanted := piece[max(0, start - at) : stop - at]:
+            yield wanted
+        at += len(piece)
 
 
 class _Sink(io.RawIOBase):

@@ -1,12 +1,12 @@
 """/runs/{id}/figures, /frames and /files."""
 
-from http import HTTPStatus
 from typing import Annotated
 from uuid import UUID
 
 from fastapi import APIRouter, Depends, Path, Query, Request, Response
 from fastapi.responses import StreamingResponse
 
+from backend.platform import downloads
 from backend.platform.dependencies import PlatformDependency, SessionDependency, ViewerDependency
 from backend.platform.problems import InvalidRequest, responses
 from backend.results import service
@@ -75,17 +75,10 @@ def result_files_list(asker: AskerDependency) -> ResultFiles:
 @router.get(
     "/files/{name}",
     response_class=StreamingResponse,
-    responses={
-        HTTPStatus.OK: {"content": {"application/octet-stream": {}}, "description": "The file."},
-        **responses(NoSuchRun, NotYet, InvalidRequest),
-    },
+    responses={**downloads.RESPONSES, **responses(NoSuchRun, NotYet, InvalidRequest)},
 )
-def result_files_download(platform: PlatformDependency, asker: AskerDependency, name: str) -> StreamingResponse:
-    """Download a table, the flow field or the summary."""
-    file, content = service.download(asker, platform.store, name)
-    headers = {
-        "Content-Length": str(file.size_bytes),
-        "Content-Disposition": f'attachment; filename="{file.name}"',
-        "X-Content-Type-Options": "nosniff",
-    }
-    return StreamingResponse(content, media_type=file.media_type, headers=headers)
+def result_files_download(
+    request: Request, platform: PlatformDependency, asker: AskerDependency, name: str
+) -> Response:
+    """Download a table, the flow field or the summary, whole or by `Range`."""
+    return downloads.answer(request, service.download(asker, platform.store, name))

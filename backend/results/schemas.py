@@ -65,6 +65,8 @@ class ResultFile(BaseModel):
     name: str
     size_bytes: int
     media_type: str
+    sha256: str | None = None
+    """Of its bytes; not known of what was made before version 0.2."""
 
 
 class ResultFiles(BaseModel):

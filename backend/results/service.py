@@ -1,15 +1,17 @@
 """What can be asked of results, while a run goes and after."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from uuid import UUID
 
 from sqlalchemy.orm import Session
 
 from backend.models import Product, Run
+from backend.platform.downloads import Download
+from backend.platform.entity_tags import tag_of_bytes
 from backend.platform.object_store import ObjectStore
 from backend.platform.visibility import Viewer
-from backend.platform.zip_stream import zip_stream
+from backend.platform.zip_stream import part, zip_stream
 from backend.results import figures, frames, repository
 from backend.results.errors import FrameMissing, NoSuchResult, NotYet
 from backend.results.schemas import FigureName, FrameDroplets, FrameFlow, ResultFile, Which
@@ -101,13 +103,21 @@ def files(asker: Asker) -> list[ResultFile]:
     return [ResultFile.model_validate(file) for product in found for file in product.files]
 
 
-def download(asker: Asker, store: ObjectStore, name: str) -> tuple[ResultFile, Iterator[bytes]]:
-    """A file, and its bytes piece by piece."""
+def download(asker: Asker, store: ObjectStore, name: str) -> Download:
+    """A file to be streamed. What is published never changes, so that its place is its tag."""
     asker.run()
     for product in repository.products(asker.session, asker.viewer, asker.run_id):
         for file in product.files:
             if file["name"] == name:
-                return ResultFile.model_validate(file), _bytes_of(store, product.prefix, name)
+                found = ResultFile.model_validate(file)
+                return Download(
+                    name=found.name,
+                    media_type=found.media_type,
+                    size_bytes=found.size_bytes,
+                    sha256=found.sha256,
+                    tag=tag_of_bytes(product.prefix.encode(), name.encode()),
+                    read=_reader(store, product.prefix, name),
+                )
     raise NotYet if name in RESULT_NAMES else NoSuchResult
 
 
@@ -120,9 +130,14 @@ RESULT_NAMES = (
 )
 
 
-def _bytes_of(store: ObjectStore, prefix: str, name: str) -> Iterator[bytes]:
+def _reader(store: ObjectStore, prefix: str, name: str) -> Callable[[int, int], Iterator[bytes]]:
+    """Streams a part of an object, or of a folder of objects as an archive."""
     if not name.endswith(ZIPPED_FOLDER):
-        return store.stream(prefix + name)
+        return lambda start, stop: store.stream(prefix + name, start, stop)
     folder = prefix + name.removesuffix(".zip") + "/"
-    keys = [key for key, _ in store.list(folder)]
-    return zip_stream((key.removeprefix(prefix), store.read(key)) for key in keys)
+
+    def read(start: int, stop: int) -> Iterator[bytes]:
+        keys = [key for key, _ in store.list(folder)]
+        return part(zip_stream((key.removeprefix(prefix), store.read(key)) for key in keys), start, stop)
+
+    return read

@@ -12,6 +12,7 @@ from backend.experiments.errors import NoSuchExperiment
 from backend.models.states import RUN_RULES, is_terminal
 from backend.platform.dependencies import PlatformDependency, SessionDependency, ViewerDependency
 from backend.platform.events import run_topic
+from backend.platform.idempotency import KeyOfAnother, OnceDependency
 from backend.platform.live import Changes, follow
 from backend.platform.problems import InvalidRequest, responses
 from backend.runs import service
@@ -39,13 +40,22 @@ def runs_list_all(session: SessionDependency, viewer: ViewerDependency, query: A
 @router.post(
     "/experiments/{experiment_id}/runs",
     status_code=HTTPStatus.ACCEPTED,
-    responses=responses(NoSuchExperiment, StackNotReady, InvalidRequest),
+    responses=responses(NoSuchExperiment, StackNotReady, KeyOfAnother, InvalidRequest),
 )
 def runs_create(
-    session: SessionDependency, platform: PlatformDependency, viewer: ViewerDependency, experiment_id: UUID, new: NewRun
+    session: SessionDependency,
+    platform: PlatformDependency,
+    viewer: ViewerDependency,
+    once: OnceDependency,
+    experiment_id: UUID,
+    new: NewRun,
 ) -> Run:
     """Analyse an experiment. Stages whose input is that of an earlier run are taken from it."""
-    return service.shown(session, service.create(session, platform, viewer, experiment_id, new.parameters))
+    made = once.create(
+        lambda: service.create(session, platform, viewer, experiment_id, new.parameters),
+        lambda run_id: service.get(session, viewer, run_id),
+    )
+    return service.shown(session, made)
 
 
 @router.get("/runs/{run_id}", responses=responses(NoSuchRun, InvalidRequest))
@@ -67,11 +77,20 @@ def runs_cancel(session: SessionDependency, viewer: ViewerDependency, run_id: UU
 @router.post(
     "/runs/{run_id}/retry",
     status_code=HTTPStatus.ACCEPTED,
-    responses=responses(NoSuchRun, RunNotFailed, InvalidRequest),
+    responses=responses(NoSuchRun, RunNotFailed, KeyOfAnother, InvalidRequest),
 )
-def runs_retry(session: SessionDependency, platform: PlatformDependency, viewer: ViewerDependency, run_id: UUID) -> Run:
+def runs_retry(
+    session: SessionDependency,
+    platform: PlatformDependency,
+    viewer: ViewerDependency,
+    once: OnceDependency,
+    run_id: UUID,
+) -> Run:
     """Try a failed run again as a new run, which is answered. What had been done is not done again."""
-    return service.shown(session, service.retry(session, platform, viewer, run_id))
+    made = once.create(
+        lambda: service.retry(session, platform, viewer, run_id), lambda made_id: service.get(session, viewer, made_id)
+    )
+    return service.shown(session, made)
 
 
 @router.delete(

@@ -1,7 +1,9 @@
 """The API's description of itself."""
 
 import json
+from typing import Any
 
+import jsonschema
 import pytest
 
 from backend.app import bare_app
@@ -42,7 +44,27 @@ def test_operations_have_names_of_their_own() -> None:
     assert len(set(names)) == len(names)
 
 
-def test_the_main_calls_show_an_example() -> None:
+@pytest.mark.parametrize(("method", "path", "operation"), OPERATIONS)
+def test_every_call_shows_an_example_that_its_schema_allows(method: str, path: str, operation: dict[str, Any]) -> None:
+    contents = [
+        content
+        for body in (operation.get("requestBody", {}), *operation["responses"].values())
+        for kind, content in body.get("content", {}).items()
+        if kind == "application/json" and content.get("schema")
+    ]
+    for shown in [*operation.get("parameters", []), *contents]:
+        example = shown["example"] if "example" in shown else shown["examples"][0]
+        jsonschema.validate(example, {**shown["schema"], "components": DOCUMENT["components"]})
+
+
+def test_what_a_call_makes_is_linked_to_the_calls_that_take_it() -> None:
+    links = DOCUMENT["paths"]["/api/v1/experiments"]["post"]["responses"]["201"]["links"]
+    assert {"experiments_get", "files_upload", "stack_complete", "runs_create"} <= set(links)
+    links = DOCUMENT["paths"]["/api/v1/experiments/{experiment_id}/runs"]["post"]["responses"]["202"]["links"]
+    assert {"runs_get", "runs_cancel", "figures_get", "result_files_download"} <= set(links)
+
+
+def test_the_main_calls_show_an_example_of_their_own() -> None:
     schemas = DOCUMENT["components"]["schemas"]
     for name in ("NewExperiment", "NewRun", "ChangeExperiment"):
         assert schemas[name]["examples"]

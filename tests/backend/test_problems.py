@@ -45,6 +45,42 @@ def test_an_error_is_a_problem(house: House, method: str, path: str, content: st
     assert problem["detail"]
 
 
+@pytest.mark.parametrize(
+    ("method", "path", "headers", "status", "code"),
+    [
+        ("GET", "experiments", {"Accept": "text/html"}, 406, "request.not_acceptable"),
+        ("GET", "experiments", {"Accept": "application/json;q=0"}, 406, "request.not_acceptable"),
+        ("GET", "experiments", {"Accept": "text/html, application/*;q=0.1"}, 200, ""),
+        ("GET", "experiments", {"Accept": "*/*"}, 200, ""),
+        ("POST", "experiments", {"Accept": "image/webp"}, 406, "request.not_acceptable"),
+        ("POST", "experiments", {"Content-Type": "text/plain"}, 415, "request.unsupported_media_type"),
+        (
+            "POST",
+            "experiments",
+            {"Content-Type": "application/x-www-form-urlencoded"},
+            415,
+            "request.unsupported_media_type",
+        ),
+        ("POST", "experiments", {"Content-Type": ""}, 415, "request.unsupported_media_type"),
+        ("POST", "experiments", {"Content-Type": "application/json; charset=utf-8"}, 201, ""),
+    ],
+)
+def test_only_what_a_call_takes_and_gives_is_taken_and_given(
+    house: House, method: str, path: str, headers: dict[str, str], status: int, code: str
+) -> None:
+    content = json.dumps({"experiment": EXPERIMENT}) if method == "POST" else ""
+    answer = house.api.request(method, path, content=content, headers={"Content-Type": "application/json"} | headers)
+    assert answer.status_code == status
+    assert answer.json().get("code", "") == code
+    assert (len(house.ok(house.api.get("experiments"))["items"]) == 1) is (status == 201)
+
+
+def test_a_call_that_is_none_is_told_those_that_are(house: House) -> None:
+    answer = house.api.put("experiments/5f0c6a2e-8f5d-4b7e-9a53-0b1d2c3e4f50")
+    assert answer.status_code == 405
+    assert answer.headers["allow"] == "DELETE, GET, PATCH"
+
+
 def test_numbers_that_are_none_are_refused(house: House) -> None:
     for number in ("NaN", "Infinity", "1e999"):
         text = json.dumps({"experiment": EXPERIMENT}).replace("1.0,", f"{number},", 1)

@@ -197,7 +197,7 @@ export const resultFilesList = <ThrowOnError extends boolean = true>(options: Op
 /**
  * Result Files Download
  *
- * Download a table, the flow field or the summary.
+ * Download a table, the flow field or the summary, whole or by `Range`.
  */
 export const resultFilesDownload = <ThrowOnError extends boolean = true>(options: Options<ResultFilesDownloadData, ThrowOnError>) => (options.client ?? client).get<ResultFilesDownloadResponses, ResultFilesDownloadErrors, ThrowOnError>({ url: '/api/v1/runs/{run_id}/files/{name}', ...options });
 

@@ -379,6 +379,10 @@ export type ResultFile = {
      */
     name: string;
     /**
+     * Sha256
+     */
+    sha256?: string | null;
+    /**
      * Size Bytes
      */
     size_bytes: number;
@@ -805,6 +809,10 @@ export type ExperimentsListData = {
 
 export type ExperimentsListErrors = {
     /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
      * Unprocessable Entity
      */
     422: Problem;
@@ -827,6 +835,14 @@ export type ExperimentsListResponse = ExperimentsListResponses[keyof Experiments
 
 export type ExperimentsCreateData = {
     body: NewExperiment;
+    headers?: {
+        /**
+         * Idempotency-Key
+         *
+         * A name of your choice for this creation, such as a UUID. Sent again with it, the same request creates nothing new and is answered with what it created the first time, with `Idempotency-Replayed`.
+         */
+        'idempotency-key'?: string | null;
+    };
     path?: never;
     query?: never;
     url: '/api/v1/experiments';
@@ -834,9 +850,29 @@ export type ExperimentsCreateData = {
 
 export type ExperimentsCreateErrors = {
     /**
+     * Bad Request
+     */
+    400: Problem;
+    /**
      * Not Found
      */
     404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Conflict
+     */
+    409: Problem;
+    /**
+     * Request Entity Too Large
+     */
+    413: Problem;
+    /**
+     * Unsupported Media Type
+     */
+    415: Problem;
     /**
      * Unprocessable Entity
      */
@@ -875,6 +911,10 @@ export type ExperimentsDeleteErrors = {
      * Not Found
      */
     404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
     /**
      * Conflict
      */
@@ -918,6 +958,10 @@ export type ExperimentsGetErrors = {
      */
     404: Problem;
     /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
      * Unprocessable Entity
      */
     422: Problem;
@@ -940,6 +984,14 @@ export type ExperimentsGetResponse = ExperimentsGetResponses[keyof ExperimentsGe
 
 export type ExperimentsUpdateData = {
     body: ChangeExperiment;
+    headers?: {
+        /**
+         * If-Match
+         *
+         * `ETag` of the copy that you changed: refused with 412 if somebody else changed it meanwhile.
+         */
+        'if-match'?: string | null;
+    };
     path: {
         /**
          * Experiment Id
@@ -952,13 +1004,33 @@ export type ExperimentsUpdateData = {
 
 export type ExperimentsUpdateErrors = {
     /**
+     * Bad Request
+     */
+    400: Problem;
+    /**
      * Not Found
      */
     404: Problem;
     /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
      * Conflict
      */
     409: Problem;
+    /**
+     * Precondition Failed
+     */
+    412: Problem;
+    /**
+     * Request Entity Too Large
+     */
+    413: Problem;
+    /**
+     * Unsupported Media Type
+     */
+    415: Problem;
     /**
      * Unprocessable Entity
      */
@@ -997,6 +1069,10 @@ export type ExperimentsEventsErrors = {
      * Not Found
      */
     404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
     /**
      * Unprocessable Entity
      */
@@ -1063,6 +1139,10 @@ export type FilesListErrors = {
      */
     404: Problem;
     /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
      * Unprocessable Entity
      */
     422: Problem;
@@ -1111,6 +1191,10 @@ export type FilesUploadErrors = {
      * Not Found
      */
     404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
     /**
      * Conflict
      */
@@ -1183,6 +1267,10 @@ export type FramesPictureErrors = {
      * Not Found
      */
     404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
     /**
      * Conflict
      */
@@ -1259,6 +1347,10 @@ export type RunsListErrors = {
      */
     404: Problem;
     /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
      * Unprocessable Entity
      */
     422: Problem;
@@ -1281,6 +1373,14 @@ export type RunsListResponse = RunsListResponses[keyof RunsListResponses];
 
 export type RunsCreateData = {
     body: NewRun;
+    headers?: {
+        /**
+         * Idempotency-Key
+         *
+         * A name of your choice for this creation, such as a UUID. Sent again with it, the same request creates nothing new and is answered with what it created the first time, with `Idempotency-Replayed`.
+         */
+        'idempotency-key'?: string | null;
+    };
     path: {
         /**
          * Experiment Id
@@ -1293,13 +1393,29 @@ export type RunsCreateData = {
 
 export type RunsCreateErrors = {
     /**
+     * Bad Request
+     */
+    400: Problem;
+    /**
      * Not Found
      */
     404: Problem;
     /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
      * Conflict
      */
     409: Problem;
+    /**
+     * Request Entity Too Large
+     */
+    413: Problem;
+    /**
+     * Unsupported Media Type
+     */
+    415: Problem;
     /**
      * Unprocessable Entity
      */
@@ -1338,6 +1454,10 @@ export type StackDeleteErrors = {
      * Not Found
      */
     404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
     /**
      * Conflict
      */
@@ -1381,6 +1501,10 @@ export type StackCompleteErrors = {
      */
     404: Problem;
     /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
      * Conflict
      */
     409: Problem;
@@ -1413,6 +1537,10 @@ export type HealthGetData = {
 };
 
 export type HealthGetErrors = {
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
     /**
      * Service Unavailable
      */
@@ -1478,6 +1606,10 @@ export type RunsListAllData = {
 
 export type RunsListAllErrors = {
     /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
      * Unprocessable Entity
      */
     422: Problem;
@@ -1515,6 +1647,10 @@ export type RunsDeleteErrors = {
      * Not Found
      */
     404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
     /**
      * Conflict
      */
@@ -1558,6 +1694,10 @@ export type RunsGetErrors = {
      */
     404: Problem;
     /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
      * Unprocessable Entity
      */
     422: Problem;
@@ -1595,6 +1735,10 @@ export type RunsCancelErrors = {
      * Not Found
      */
     404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
     /**
      * Conflict
      */
@@ -1637,6 +1781,10 @@ export type RunsEventsErrors = {
      * Not Found
      */
     404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
     /**
      * Unprocessable Entity
      */
@@ -1682,6 +1830,10 @@ export type FiguresGetErrors = {
      */
     404: Problem;
     /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
      * Conflict
      */
     409: Problem;
@@ -1723,6 +1875,10 @@ export type ResultFilesListErrors = {
      * Not Found
      */
     404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
     /**
      * Unprocessable Entity
      */
@@ -1766,6 +1922,14 @@ export type ResultFilesDownloadErrors = {
      */
     404: Problem;
     /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Requested Range Not Satisfiable
+     */
+    416: Problem;
+    /**
      * Unprocessable Entity
      */
     422: Problem;
@@ -1782,6 +1946,10 @@ export type ResultFilesDownloadResponses = {
      * The file.
      */
     200: Blob | File;
+    /**
+     * The part of it that `Range` asked for.
+     */
+    206: Blob | File;
 };
 
 export type ResultFilesDownloadResponse = ResultFilesDownloadResponses[keyof ResultFilesDownloadResponses];
@@ -1809,6 +1977,10 @@ export type DropletsGetErrors = {
      * Not Found
      */
     404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
     /**
      * Unprocessable Entity
      */
@@ -1851,6 +2023,10 @@ export type FlowGetErrors = {
      * Not Found
      */
     404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
     /**
      * Unprocessable Entity
      */
@@ -1901,6 +2077,10 @@ export type TailsGetErrors = {
      */
     404: Problem;
     /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
      * Unprocessable Entity
      */
     422: Problem;
@@ -1923,6 +2103,14 @@ export type TailsGetResponse = TailsGetResponses[keyof TailsGetResponses];
 
 export type RunsRetryData = {
     body?: never;
+    headers?: {
+        /**
+         * Idempotency-Key
+         *
+         * A name of your choice for this creation, such as a UUID. Sent again with it, the same request creates nothing new and is answered with what it created the first time, with `Idempotency-Replayed`.
+         */
+        'idempotency-key'?: string | null;
+    };
     path: {
         /**
          * Run Id
@@ -1938,6 +2126,10 @@ export type RunsRetryErrors = {
      * Not Found
      */
     404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
     /**
      * Conflict
      */
@@ -1985,6 +2177,10 @@ export type TrajectoriesGetErrors = {
      */
     404: Problem;
     /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
      * Unprocessable Entity
      */
     422: Problem;
@@ -2014,6 +2210,10 @@ export type SchemasGetExperimentData = {
 
 export type SchemasGetExperimentErrors = {
     /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
      * What went wrong, and what to do.
      */
     default: Problem;
@@ -2042,6 +2242,10 @@ export type SchemasGetParametersData = {
 };
 
 export type SchemasGetParametersErrors = {
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
     /**
      * What went wrong, and what to do.
      */

@@ -560,7 +560,7 @@ export const resultFilesDownloadQueryKey = (options: Options<ResultFilesDownload
 /**
  * Result Files Download
  *
- * Download a table, the flow field or the summary.
+ * Download a table, the flow field or the summary, whole or by `Range`.
  */
 export const resultFilesDownloadOptions = (options: Options<ResultFilesDownloadData>) => queryOptions<ResultFilesDownloadResponse, ResultFilesDownloadError, ResultFilesDownloadResponse, ReturnType<typeof resultFilesDownloadQueryKey>>({
     queryFn: async ({ queryKey, signal }) => {
