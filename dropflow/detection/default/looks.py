@@ -1,0 +1,199 @@
+"""Looking at a frame twice: droplets that are sure after the first look are explained away before the second."""
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+import numpy.typing as npt
+
+from dropflow.detection.default.candidates import Candidates, find_candidates
+from dropflow.detection.default.closer import NO_OWN, NO_PROFILES, look_closer
+from dropflow.detection.default.explain import explain_away
+from dropflow.detection.default.features import N_FEATURES, SPREAD, VOTES, Usual, relate_to_frame, usual_of
+from dropflow.detection.default.model import Model, log_odds_of
+from dropflow.detection.default.noise import noise_level
+from dropflow.detection.default.overlaps import context, is_best_of_its_kind
+from dropflow.detection.default.pyramid import Level, pyramid
+from dropflow.detection.default.rays import N_PROFILE
+
+Image = npt.NDArray[np.float32]
+Column = npt.NDArray[np.float64]
+Flags = npt.NDArray[np.bool_]
+Rows = npt.NDArray[np.integer]
+
+FIRST_FINEST_PX, SECOND_FINEST_PX = 10.4, 5.2
+"""The second look works at half the size: what is left then stands apart."""
+LEAST_VOTES = 0.22
+SURE = 0.5
+"""Probability from which the first look's droplets are explained away."""
+DOUBTFUL = 0.1
+"""Candidates of the first look below this are not looked at again."""
+_BATCH, _BATCH_PER_MPIXEL = 300, 140
+_LEAST_YIELD = 0.06
+"""Candidates are looked at in batches, those with most votes first, until less than this share of one is sure."""
+_MOST_BATCHES = 12
+_TRAINING_BATCHES = 3
+_N_ITERATIONS = 2
+"""Votes and first looks are near enough that fits begin with the second of the three iterations."""
+_MOST_SPREAD = 0.25
+_SAME_DISTANCE, _SAME_RATIO = 0.2, 1.2
+"""Fits as near as this have ended on the same circle."""
+_TWICE_DISTANCE, _TWICE_RATIO = 0.5, 1.35
+"""Circles as near as this are one droplet found twice."""
+_LEAST_SHARE, _MOST_SHARE = 0.6, 1.25
+"""Fitted edges may leave the range of radii looked for this far: the true radius is another one."""
+
+
+@dataclass(frozen=True, eq=False)
+class Sightings:
+    """n circles that may be droplets, pixels of the frame, with their features, shape (n, features)."""
+
+    x_px: Column
+    y_px: Column
+    r_px: Column
+    features: Column
+
+    def __len__(self) -> int:
+        return len(self.x_px)
+
+    def __getitem__(self, which: Flags | Rows | slice) -> "Sightings":
+        return Sightings(*(getattr(self, field.name)[which] for field in fields(self)))
+
+    def followed_by(self, other: "Sightings") -> "Sightings":
+        """Both as one."""
+        pairs = ((getattr(self, field.name), getattr(other, field.name)) for field in fields(self))
+        return Sightings(*(np.concatenate(pair) for pair in pairs))
+
+    def circles(self) -> Column:
+        """x, y and r, shape (n, 3)."""
+        return np.column_stack([self.x_px, self.y_px, self.r_px])
+
+    def best(self, goodness: Column) -> Flags:
+        """Which are not a worse sighting of another's droplet."""
+        return is_best_of_its_kind(
+            self.x_px, self.y_px, self.r_px, goodness, distance=_TWICE_DISTANCE, ratio=_TWICE_RATIO
+        )
+
+    def unique(self) -> "Sightings":
+        """Without fits that have ended on the same circle; the one that had most votes stays."""
+        votes = self.features[:, VOTES]
+        return self[
+            is_best_of_its_kind(self.x_px, self.y_px, self.r_px, votes, distance=_SAME_DISTANCE, ratio=_SAME_RATIO)
+        ]
+
+
+@dataclass(frozen=True, eq=False)
+class FirstLook:
+    """What the first look at a frame gives."""
+
+    noise: float
+    usual: Usual
+    sightings: Sightings
+
+
+def first_look(image: Image, model: Model | None, *, r_min_px: float, r_max_px: float) -> FirstLook:
+    """Find, fit and measure candidates in a prepared frame, shape (rows, columns) float32.
+
+    Without a model (which is when one is trained) a fixed number of candidates is looked at.
+    """
+    look = _Look(pyramid(image, r_max_px), noise_level(image), r_min_px, r_max_px, usual=None)
+    seen = look.around(model, FIRST_FINEST_PX)
+    return FirstLook(look.noise, look.usual or usual_of(seen.features, image, look.noise), seen)
+
+
+def second_look(image: Image, first: FirstLook, model: Model, *, r_min_px: float, r_max_px: float) -> Sightings:
+    """Explain the sure droplets away, fit each again beside the others, and find what they hid.
+
+    Returns sightings with features `dropflow.detection.default.model.AGAIN`.
+    """
+    probability = model.first_probability(first.sightings.features)
+    is_sure = (probability > SURE) & first.sightings.best(probability)
+    order = np.flatnonzero(is_sure)[np.argsort(-probability[is_sure], kind="stable")]
+    sure = first.sightings[order]
+    profiles = np.zeros((len(sure), N_PROFILE), np.float32)
+    rest = image.copy()
+    explain_away(rest, sure.x_px, sure.y_px, sure.r_px, profiles)
+    look = _Look(pyramid(rest, r_max_px), first.noise, r_min_px, r_max_px, first.usual)
+    doubtful = first.sightings[(probability > DOUBTFUL) & (probability <= SURE)]
+    found = look.around(model, SECOND_FINEST_PX).followed_by(look.closer(doubtful)).unique()
+    own = sure.circles()
+    refitted = look.fitted(sure, own, profiles)
+    again = _with_context(refitted, own, np.arange(len(own)), log_odds_of(probability[order]))
+    new = _with_context(found, own, np.full(len(found), -1), np.full(len(found), np.nan))
+    both = again.followed_by(new)
+    return both[np.isfinite(both.features[:, SPREAD])]
+
+
+@dataclass(eq=False)
+class _Look:
+    """One look at one image."""
+
+    levels: list[Level]
+    noise: float
+    r_min_px: float
+    r_max_px: float
+    usual: Usual | None
+
+    def around(self, model: Model | None, finest_px: float) -> Sightings:
+        """Candidates all over the image, those with most votes first, as long as enough of them are sure."""
+        found = find_candidates(
+            self.levels,
+            self.noise,
+            r_min_px=self.r_min_px,
+            r_max_px=self.r_max_px,
+            finest_px=finest_px,
+            least_votes=LEAST_VOTES,
+        )
+        start = _starts(found)
+        size = _BATCH + _BATCH_PER_MPIXEL * self.levels[0].image.size // 1_000_000
+        n_batches = _TRAINING_BATCHES if model is None else _MOST_BATCHES
+        order = np.argsort(-found.votes, kind="stable")[: n_batches * size]
+        seen = start[:0]
+        for begin in range(0, len(order), size):
+            batch = self.closer(start[order[begin : begin + size]])
+            n_before, seen = len(seen), seen.followed_by(batch).unique()
+            if model is not None:
+                # What was seen before had more votes, so it is all still there.
+                if np.sum(model.first_probability(seen.features[n_before:]) > SURE) < _LEAST_YIELD * size:
+                    break
+        return seen
+
+    def closer(self, start: Sightings) -> Sightings:
+        """Those of the sightings that are circles of a radius looked for, inside the frame."""
+        seen = self.fitted(start, NO_OWN, NO_PROFILES)
+        rows, columns = self.levels[0].image.shape
+        is_right = seen.features[:, SPREAD] < _MOST_SPREAD
+        is_right &= (seen.r_px > _LEAST_SHARE * self.r_min_px) & (seen.r_px < _MOST_SHARE * self.r_max_px)
+        is_right &= (seen.x_px >= -0.5) & (seen.y_px >= -0.5)
+        is_right &= (seen.x_px < columns - 0.5) & (seen.y_px < rows - 0.5)
+        return seen[is_right]
+
+    def fitted(self, start: Sightings, own: Column, profiles: Image) -> Sightings:
+        """All sightings fitted and measured; `own` and `profiles` as in `look_closer`."""
+        x, y, r, features = look_closer(
+            self.levels,
+            self.noise,
+            start.x_px,
+            start.y_px,
+            start.r_px,
+            n_iterations=_N_ITERATIONS,
+            own=own,
+            profiles=profiles,
+        )
+        if self.usual is None:
+            self.usual = usual_of(features, self.levels[0].image, self.noise)
+        relate_to_frame(features, self.usual)
+        features[:, VOTES] = start.features[:, VOTES]
+        return Sightings(x, y, r, features)
+
+
+def _starts(found: Candidates) -> Sightings:
+    """Candidates as sightings of which only the votes are known."""
+    features = np.full((len(found), N_FEATURES), np.nan)
+    features[:, VOTES] = found.votes
+    return Sightings(found.x_px, found.y_px, found.r_px, features)
+
+
+def _with_context(seen: Sightings, sure: Column, own: Rows, log_odds: Column) -> Sightings:
+    around = context(seen.x_px, seen.y_px, seen.r_px, sure, own)
+    features = np.column_stack([seen.features, around, log_odds])
+    return Sightings(seen.x_px, seen.y_px, seen.r_px, features)
