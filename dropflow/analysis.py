@@ -86,7 +86,7 @@ def analyse(film: Film, output: Path, *, n_processes: int, progress: Progress = 
                 folder=work,
                 progress=progress,
             )
-        summary = pipeline.summary(work, film.index, film.experiment, film.parameters)
+        summary = pipeline.summary(work, film.index, film.experiment, film.parameters, film.measured)
         (work / "summary.json").write_text(json.dumps(summary, indent=2, allow_nan=False) + "\n", encoding="utf-8")
         for name in pipeline.RESULT_FILES:
             _replace(work / name, output / name)

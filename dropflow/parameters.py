@@ -21,8 +21,9 @@ def knob(default: Any, *, unit: str, low: float, high: float, paper: Any = None,
 
 
 class Method(StrEnum):
-    """Whose chain does the work."""
+    """How droplets are found."""
 
+    DEFAULT = "default"
     PAPER = "paper"
 
 
@@ -90,10 +91,11 @@ class PaperDetection(StrictModel):
 
 
 class DetectionParameters(StrictModel):
-    """How droplets are found in one frame (sections 3.1.1 to 3.1.3)."""
+    """How droplets are found in one frame."""
 
-    method: Method = Method.PAPER
-    """`paper` follows sections 3.1.1 to 3.1.3."""
+    method: Method = Method.DEFAULT
+    """`default` fits circles to edges and accepts what a trained model takes for droplets: nothing but the radius range
+    need be given. `paper` follows sections 3.1.1 to 3.1.3."""
     radius_min_um: float = knob(4.0, unit="um", low=1e-3, high=1e5, paper=4.0, section="3.2.1")
     """Smallest droplet radius looked for. A droplet measured smaller by no more than its uncertainty is kept."""
     radius_max_um: float = knob(40.0, unit="um", low=1e-3, high=1e5, paper=40.0, section="3.2.1")

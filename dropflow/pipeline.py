@@ -4,6 +4,7 @@ The command runs them in processes (`dropflow.analysis`), the service in shards:
 twice. No stage keeps more than a few frames in memory.
 """
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ import pyarrow as pa
 
 from dropflow import provenance
 from dropflow.detection import make_detector
+from dropflow.detection.unfamiliar import unfamiliar_share, warnings_of
 from dropflow.detections import DropletReader
 from dropflow.experiment import Experiment
 from dropflow.frames import Frame, Frames
@@ -37,7 +39,9 @@ def estimate(
     frames: Frames, experiment: Experiment, parameters: Parameters, *, flat_field: Frame | None = None
 ) -> StackEstimate:
     """What is measured once per stack before detection begins; checks also that the parameters fit the frames."""
-    return estimate_stack(frames, experiment, parameters, flat_field)
+    measured = estimate_stack(frames, experiment, parameters, flat_field)
+    share = unfamiliar_share(frames, make_detector(experiment, parameters, measured))
+    return replace(measured, unfamiliar_share=share)
 
 
 def detect_range(
@@ -94,9 +98,12 @@ def track_film(
         reader.close()
 
 
-def summary(folder: Path, index: StackIndex, experiment: Experiment, parameters: Parameters) -> dict[str, Any]:
-    """The numbers of ``summary.json`` from the tables and the flow field in `folder`, with their provenance."""
+def summary(
+    folder: Path, index: StackIndex, experiment: Experiment, parameters: Parameters, measured: StackEstimate
+) -> dict[str, Any]:
+    """The numbers of ``summary.json`` from the tables and the flow field in `folder`, with warnings and provenance."""
     return {
         **summarise(folder, index, experiment),
+        "warnings": warnings_of(measured),
         "provenance": provenance.provenance(experiment, parameters, index),
     }

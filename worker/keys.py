@@ -19,10 +19,10 @@ _SAYS_NOTHING_OF_FRAMES = {"name", "notes", "tags", "recorded_at"}
 
 @cache
 def source_digest() -> str:
-    """Checksum of the library's code and of the material files beside it."""
+    """Checksum of the library's code and of the material files and the trained model beside it."""
     folder = Path(dropflow.__file__).parent
     digest = hashlib.sha256()
-    for path in sorted([*folder.rglob("*.py"), *folder.rglob("*.yaml")]):
+    for path in sorted(path for ending in ("py", "yaml", "npz") for path in folder.rglob(f"*.{ending}")):
         digest.update(path.relative_to(folder).as_posix().encode())
         digest.update(path.read_bytes())
     return digest.hexdigest()

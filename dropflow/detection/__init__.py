@@ -1,6 +1,7 @@
 """From a frame to droplets: one contract (`dropflow.detection.contract.Detector`), one package for each method."""
 
 from dropflow.detection.contract import Detector
+from dropflow.detection.default.detector import DefaultDetector
 from dropflow.detection.paper.detector import PaperDetector
 from dropflow.experiment import Experiment
 from dropflow.parameters import Method, Parameters
@@ -20,6 +21,8 @@ def make_detector(experiment: Experiment, parameters: Parameters, estimate: Stac
     """
     r_min_px, r_max_px = radius_range_px(experiment, parameters, estimate.shape)
     match parameters.detection.method:
+        case Method.DEFAULT:
+            return DefaultDetector(estimate=estimate, tone=experiment.droplets, r_min_px=r_min_px, r_max_px=r_max_px)
         case Method.PAPER:
             return PaperDetector(
                 estimate=estimate,

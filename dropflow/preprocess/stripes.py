@@ -119,7 +119,7 @@ def _low_quantiles(binned: Image) -> Image:
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")
 def _subtract(image: Image, ground: Image) -> None:
-    """Subtract `ground`, linear between the centres of its windows; beyond the first and the last it goes on as it is."""
+    """Subtract `ground`, linear between the centres of its windows, constant before the first and after the last."""
     rows, columns = image.shape
     n_windows, apart, first = ground.shape[1], _STRIDE * _BIN, (_WINDOW * _BIN) // 2
     for row in range(rows):

@@ -7,7 +7,6 @@ however strong the edge: what counts is how much of an outline is there, so that
 """
 
 from dataclasses import dataclass
-from math import pi
 
 import cv2
 import numba
@@ -94,16 +93,17 @@ def find_candidates(
 
 def _vote(level: Level, noise: float, radii: Column, least_votes: float) -> npt.NDArray[np.float64]:
     """Candidates of one octave: rows x, y, r (px of the frame) and votes."""
-    image = cv2.GaussianBlur(level.image, (0, 0), EDGE_BLUR_PX)
+    image = np.asarray(cv2.GaussianBlur(level.image, (0, 0), EDGE_BLUR_PX), np.float32)
     rows, columns = image.shape
     size = BIN if radii[0] >= LEAST_BINNED_PX else 1
     capacity = max(image.size // 5, 64)
     edges = np.empty((4, capacity), np.float32)
     # Blurring leaves 1 / (2 sqrt(pi) blur) of white noise, and a difference over two pixels about as much again.
     least = np.float32(EDGE_NOISES * noise / (2.0 * EDGE_BLUR_PX))
-    n_edges = thin_edges(image, least, *edges)
+    n_edges = thin_edges(image, least, edges[0], edges[1], edges[2], edges[3])
     counts = np.zeros((len(radii), rows // size + 1, columns // size + 1), np.float32)
-    _cast(*edges[:, :n_edges], radii.astype(np.float32), np.float32(1 / size), counts)
+    x, y, u, v = edges[:, :n_edges]
+    _cast(x, y, u, v, radii.astype(np.float32), np.float32(1 / size), counts)
     whole = np.empty(len(radii), np.float32)
     for k, radius in enumerate(radii):
         blur = max(VOTE_BLUR_LEAST, VOTE_BLUR * radius / size)
@@ -111,10 +111,10 @@ def _vote(level: Level, noise: float, radii: Column, least_votes: float) -> npt.
         whole[k] = radius / blur**2 * (_TYPICAL_PX / radius) ** _LEVEL_POWER
         whole[k] *= (_TYPICAL_PX / (radius * level.factor)) ** _FRAME_POWER
     peaks = np.empty((4, max(64, MAX_PER_MPIXEL * counts[0].size // 1_000_000)), np.float32)
-    n_peaks = _peaks(counts, 1 / whole, np.float32(least_votes), peaks)
-    x, y, k, votes = peaks[:, :n_peaks].astype(np.float64)
-    centre = (np.array([x, y]) + 0.5) * size - 0.5
-    return np.stack([*level.x_to_frame(centre), radii[k.astype(int)] * level.factor, votes])
+    n_peaks = _peaks(counts, np.float32(1) / whole, np.float32(least_votes), peaks)
+    column, row, k, votes = peaks[:, :n_peaks].astype(np.float64)
+    places = [level.x_to_frame((along + 0.5) * size - 0.5) for along in (column, row)]
+    return np.stack([*places, radii[k.astype(int)] * level.factor, votes])
 
 
 @numba.njit(cache=True, nogil=True, fastmath=True, error_model="numpy")

@@ -6,7 +6,7 @@ import numba
 import numpy as np
 import numpy.typing as npt
 
-from dropflow.detection.default.rays import COS, N_RAYS, N_STEPS, RIM, SIN, STEP
+from dropflow.detection.default.rays import COS, N_RAYS, N_STEPS, SIN, STEP
 
 Column = npt.NDArray[np.float64]
 Polar = npt.NDArray[np.float32]
@@ -31,13 +31,11 @@ def better_shift(polar: Polar, weight: Column, noise: float, shift: Column) -> N
     droplet, where edges use its outline only: three times as exact for one that is alone, but worse beside others whose
     light is not wholly explained. How much is left over beside the noise says which of the two to believe.
     """
-    ring = np.empty(N_RAYS)
     profile, slope = np.zeros(N_STEPS), np.zeros(N_STEPS)
-    off = np.empty((N_RAYS, _LAST + 1))
     dx = dy = a = b = 0.0
     scale = np.inf
     for step in range(_N_ROUNDS):
-        _robust_profile(polar, weight, ring, profile, dx, dy, a, b, slope)
+        _robust_profile(polar, weight, profile, dx, dy, a, b, slope)
         for j in range(1, _LAST):
             slope[j] = (profile[j + 1] - profile[j - 1]) * (0.5 / STEP)
         slope[0], slope[_LAST] = 0.0, slope[_LAST - 1]
@@ -84,7 +82,7 @@ def better_shift(polar: Polar, weight: Column, noise: float, shift: Column) -> N
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")
 def _robust_profile(
-    polar: Polar, weight: Column, ring: Column, profile: Column, dx: float, dy: float, a: float, b: float, slope: Column
+    polar: Polar, weight: Column, profile: Column, dx: float, dy: float, a: float, b: float, slope: Column
 ) -> None:
     """Mean over rays, by weight, of brightness less what shift and slope make of it."""
     for j in range(_LAST + 2):

@@ -79,7 +79,8 @@ def look_closer(
             local_own = np.column_stack([level.x_from_frame(own[here, :2]), own[here, 2] / level.factor])
             local_profiles = profiles[here]
         found = np.empty((len(here), N_FEATURES))
-        _look(level.image, level.factor, noise / level.factor, *local, n_iterations, local_own, local_profiles, found)
+        circles = local[0], local[1], local[2]
+        _look(level.image, level.factor, noise / level.factor, circles, n_iterations, local_own, local_profiles, found)
         x[here], y[here], r[here] = level.x_to_frame(local[0]), level.x_to_frame(local[1]), local[2] * level.factor
         features[here] = found
     return x, y, r, features
@@ -87,9 +88,16 @@ def look_closer(
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")
 def _look(
-    image: Image, factor: float, noise: float, x: Column, y: Column, r: Column, n_iterations: int,
-    own: Column, profiles: Polar, features: Column,
-) -> None:  # fmt: skip
+    image: Image,
+    factor: float,
+    noise: float,
+    circles: tuple[Column, Column, Column],
+    n_iterations: int,
+    own: Column,
+    profiles: Polar,
+    features: Column,
+) -> None:
+    x, y, r = circles
     polar = np.empty((N_RAYS, N_STEPS), np.float32)
     edge, drop, circle, weight = np.empty(N_RAYS), np.empty(N_RAYS), np.empty(3), np.empty(N_RAYS)
     for i in range(x.size):

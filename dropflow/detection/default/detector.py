@@ -6,23 +6,21 @@ import numpy as np
 import numpy.typing as npt
 
 from dropflow.detection.contract import Detection, Frame, Image, Rejected
-from dropflow.detection.default.cleaning import StripeEstimate, cleaned
 from dropflow.detection.default.features import MATCH
-from dropflow.detection.default.looks import Sightings, first_look, second_look
+from dropflow.detection.default.looks import first_look, look_near, second_look
 from dropflow.detection.default.model import Model, default_model, probability_of
+from dropflow.detection.default.predictions import best_near
+from dropflow.detection.default.sightings import Sightings
 from dropflow.droplets import Droplets
 from dropflow.experiment import DropletTone
-from dropflow.preprocess import StackEstimate, corrected
+from dropflow.preprocess import StackEstimate, corrected, remove_stripes
 
-Column = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]
 
 ACCEPTED = 0.45
 """Droplets are at least this likely; about half of the best F1, which is where that is reached."""
 ACCEPTED_NEAR = 0.2
 """The same where one was predicted."""
-_WALK, _RATIO = 0.7, 1.35
-"""A droplet looked for near a prediction is within this many predicted radii, with a radius within this factor."""
 _LEAST_STD_PX = 0.02
 
 
@@ -31,7 +29,6 @@ class DefaultDetector:
     """Finds droplets of `r_min_px` to `r_max_px` with what `model` has learnt."""
 
     estimate: StackEstimate
-    stripes: StripeEstimate
     tone: DropletTone
     r_min_px: float
     r_max_px: float
@@ -39,27 +36,54 @@ class DefaultDetector:
 
     def prepare(self, frame: Frame) -> Image:
         """Flat field, tone and stripes; grey levels as in the frame, droplets bright."""
-        return cleaned(corrected(frame, self.estimate, self.tone), self.stripes)
+        image = corrected(frame, self.estimate, self.tone)
+        remove_stripes(image, self.estimate.stripes)
+        return image
 
     def detect(self, image: Image) -> Detection:
         """Look twice, accept what is likely, each droplet once."""
-        first = first_look(image, self.model, r_min_px=self.r_min_px, r_max_px=self.r_max_px)
-        seen = second_look(image, first, self.model, r_min_px=self.r_min_px, r_max_px=self.r_max_px)
+        seen = self._seen(image)
         droplets = self._measured(seen)
-        is_single = seen.best(droplets.probability)
-        is_range = (droplets.r_px >= self.r_min_px) & (droplets.r_px <= self.r_max_px)
-        is_likely = droplets.probability >= ACCEPTED
-        reasons = np.select([~is_likely, ~is_single, ~is_range], ["unlikely", "duplicate", "radius"], default="")
+        why_not = {
+            "unlikely": droplets.probability < ACCEPTED,
+            "duplicate": ~seen.best(droplets.probability),
+            "radius": ~self._is_looked_for(droplets),
+        }
+        reasons = np.select(list(why_not.values()), list(why_not), default="")
         is_bad = reasons != ""
-        return Detection(droplets[~is_bad], Rejected(droplets[is_bad], tuple(str(reason) for reason in reasons[is_bad])))
+        return Detection(
+            droplets[~is_bad], Rejected(droplets[is_bad], tuple(str(reason) for reason in reasons[is_bad]))
+        )
+
+    def find_near(self, image: Image, predicted: Droplets) -> tuple[Droplets, Flags]:
+        """Fit at each prediction beside the droplets that are sure, and take what is likely and like it."""
+        first = first_look(image, self.model, r_min_px=self.r_min_px, r_max_px=self.r_max_px)
+        places = Sightings.unmeasured(predicted.x_px, predicted.y_px, predicted.r_px)
+        seen = look_near(image, first, self.model, places, r_min_px=self.r_min_px, r_max_px=self.r_max_px)
+        found, is_near = best_near(self._measured(seen), predicted)
+        return found, is_near & (found.probability >= ACCEPTED_NEAR) & self._is_looked_for(found)
+
+    def unfamiliar_share(self, image: Image) -> float:
+        """Part of the features of this frame's droplets that is beyond what the model was trained on; 0 of none."""
+        seen = self._seen(image)
+        is_likely = probability_of(self.model.again.predict(seen.features)) >= ACCEPTED
+        return self.model.share_out_of_range(seen.features[is_likely])
+
+    def _seen(self, image: Image) -> Sightings:
+        first = first_look(image, self.model, r_min_px=self.r_min_px, r_max_px=self.r_max_px)
+        return second_look(image, first, self.model, r_min_px=self.r_min_px, r_max_px=self.r_max_px)
+
+    def _is_looked_for(self, droplets: Droplets) -> Flags:
+        """Whether the radius may, within its standard deviation, be one of the range looked for."""
+        is_big = droplets.r_px + droplets.r_std_px >= self.r_min_px
+        return is_big & (droplets.r_px - droplets.r_std_px <= self.r_max_px)
 
     def _measured(self, seen: Sightings) -> Droplets:
         """Sightings with radius, uncertainties and probability from the model."""
         model = self.model
         probability = probability_of(model.again.predict(seen.features))
         r_px = seen.r_px * np.exp(model.radius.predict(seen.features))
-        x_std = seen.r_px * np.exp(model.position_error.predict(seen.features))
-        r_std = r_px * np.exp(model.radius_error.predict(seen.features))
+        x_std_px = np.maximum(seen.r_px * np.exp(model.position_error.predict(seen.features)), _LEAST_STD_PX)
+        r_std_px = np.maximum(r_px * np.exp(model.radius_error.predict(seen.features)), _LEAST_STD_PX)
         match = np.clip(seen.features[:, MATCH], 0.0, 1.0)
-        least = _LEAST_STD_PX
-        return Droplets(seen.x_px, seen.y_px, r_px, np.maximum(x_std, least), np.maximum(r_std, least), probability, match)
+        return Droplets(seen.x_px, seen.y_px, r_px, x_std_px, r_std_px, probability, match)

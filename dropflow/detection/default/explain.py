@@ -58,7 +58,7 @@ def subtract(image: Image, x: float, y: float, r: float, profile: Polar) -> None
     scale = np.float32(1.0 / (r * STEP))
     for row in range(max(0, ceil(y - reach)), min(rows - 1, floor(y + reach)) + 1):
         dy = np.float32(row - y)
-        half = sqrt(max(reach * reach - dy * dy, 0.0))
+        half = sqrt(max(reach * reach - float(dy * dy), 0.0))
         for column in range(max(0, ceil(x - half)), min(columns - 1, floor(x + half)) + 1):
             dx = np.float32(column - x)
             place = np.float32(sqrt(dx * dx + dy * dy)) * scale

@@ -4,7 +4,6 @@ Brightness is measured in noise, in the candidate's own edge, or in the frame's 
 lengths in the candidate's own radius: what was learnt on one camera holds on the next.
 """
 
-from dataclasses import dataclass
 from math import log, sqrt
 
 import numba
@@ -50,15 +49,34 @@ FEATURES = (
     "frame_sharpness",  # usual edge over contrast
 )
 N_FEATURES = len(FEATURES)
-SPREAD, EDGE_SHARE, MATCH = FEATURES.index("spread"), FEATURES.index("edge_share"), FEATURES.index("match")
-VOTES = FEATURES.index("votes")
-_FRAME_EDGE, _FRAME_DIP, _FRAME_SHARPNESS = (FEATURES.index(f"frame_{name}") for name in ("edge", "dip", "sharpness"))
-_DIP, _SHARPNESS = FEATURES.index("dip"), FEATURES.index("sharpness")
-_RING_LEVEL, _EDGE_USUAL = FEATURES.index("ring_level"), FEATURES.index("edge_usual")
-_CONTRAST_USUAL, _FIRST_PROFILE = FEATURES.index("contrast_usual"), FEATURES.index("profile_0")
+(
+    LOG_R,
+    INSIDE,
+    SPREAD,
+    EDGE_SHARE,
+    EDGE_NOISE,
+    CONTRAST_NOISE,
+    SHARPNESS,
+    WEAKEST_ARC,
+    WEAKEST_QUARTER,
+    STRONG_SHARE,
+    NOISY_SHARE,
+    EDGE_VARIATION,
+    RING_VARIATION,
+    DISK_VARIATION,
+    WIDTH,
+    SKEW,
+    MIDDLE,
+    DIP,
+    RING_SLOPE,
+    MATCH,
+    RING_LEVEL,
+    EDGE_USUAL,
+    CONTRAST_USUAL,
+    FIRST_PROFILE,
+) = range(24)
+VOTES, FRAME_EDGE, FRAME_DIP, FRAME_SHARPNESS = range(N_FEATURES - 4, N_FEATURES)
 _LEAST_RAYS = 8
-_BACKGROUND_PERCENT = 30.0
-_LEAST_CLEAR = 5
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")
@@ -79,10 +97,10 @@ def measure(
         return
     profile = np.empty(N_STEPS)
     _mean_profile(polar, weight, profile)
-    row[0] = log(r_px)
-    row[1] = n_inside / N_RAYS
-    row[2] = spread
-    row[3] = _share_on_circle(edge, drop, rim) / n_inside
+    row[LOG_R] = log(r_px)
+    row[INSIDE] = n_inside / N_RAYS
+    row[SPREAD] = spread
+    row[EDGE_SHARE] = _share_on_circle(edge, drop, rim) / n_inside
     _edge_features(rim, n_inside, typical, noise, row)
     _profile_features(profile, typical, noise, row)
     _around(polar, typical, row)
@@ -136,8 +154,8 @@ def _share_on_circle(edge: Column, drop: Column, rim: Column) -> int:
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")
 def _edge_features(rim: Column, n_inside: int, typical: float, noise: float, row: Column) -> None:
-    """Features 4 and 7 to 11: how strong and how even the edge is around the droplet."""
-    row[4] = log(typical / noise)
+    """How strong and how even the edge is around the droplet."""
+    row[EDGE_NOISE] = log(typical / noise)
     weakest = np.inf
     n_strong = n_noisy = 0
     total = total_square = 0.0
@@ -163,30 +181,30 @@ def _edge_features(rim: Column, n_inside: int, typical: float, noise: float, row
             weakest = min(weakest, arc / n_arc)
     sorted_rim.sort()
     mean = total / n_inside
-    row[7] = weakest / typical
-    row[8] = np.mean(sorted_rim[: max(n_inside // 4, 1)]) / typical
-    row[9] = n_strong / n_inside
-    row[10] = n_noisy / n_inside
-    row[11] = sqrt(max(total_square / n_inside - mean * mean, 0.0)) / typical
+    row[WEAKEST_ARC] = weakest / typical
+    row[WEAKEST_QUARTER] = np.mean(sorted_rim[: max(n_inside // 4, 1)]) / typical
+    row[STRONG_SHARE] = n_strong / n_inside
+    row[NOISY_SHARE] = n_noisy / n_inside
+    row[EDGE_VARIATION] = sqrt(max(total_square / n_inside - mean * mean, 0.0)) / typical
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")
 def _profile_features(profile: Column, typical: float, noise: float, row: Column) -> None:
-    """Features 5, 6, 14 to 17, the levels of 20 to 22, and the profile itself."""
-    inner, outer = np.mean(profile[:11]), np.mean(profile[20:27])
-    contrast = inner - outer
-    row[5] = log(max(contrast / noise, 1e-2))
-    row[6] = typical / max(contrast, noise)
+    """Contrast, the shape of the fall, the levels that are later related to the frame, and the profile itself."""
+    inner, outer = float(np.mean(profile[:11])), float(np.mean(profile[20:27]))
+    contrast = float(inner - outer)
+    row[CONTRAST_NOISE] = log(max(contrast / noise, 1e-2))
+    row[SHARPNESS] = typical / max(contrast, noise)
     top, bottom = max(profile[9], profile[10]), min(profile[21], profile[24])
     upper, half = _crossing(profile, top, bottom, 0.75), _crossing(profile, top, bottom, 0.5)
     lower = _crossing(profile, top, bottom, 0.25)
-    row[14] = lower - upper
-    row[15] = lower + upper - 2.0 * half
-    row[16] = half
-    row[17] = (profile[0] - profile[10]) / typical
-    row[20], row[21], row[22] = outer, typical, contrast
+    row[WIDTH] = lower - upper
+    row[SKEW] = lower + upper - 2.0 * half
+    row[MIDDLE] = half
+    row[DIP] = (profile[0] - profile[10]) / typical
+    row[RING_LEVEL], row[EDGE_USUAL], row[CONTRAST_USUAL] = outer, typical, contrast
     for n, at in enumerate(_PROFILE_AT):
-        row[_FIRST_PROFILE + n] = (profile[at] - outer) / typical
+        row[FIRST_PROFILE + n] = (profile[at] - outer) / typical
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")
@@ -195,15 +213,15 @@ def _crossing(profile: Column, top: float, bottom: float, share: float) -> float
     level = bottom + (top - bottom) * share
     for j in range(6, N_PROFILE):
         if profile[j] >= level > profile[j + 1]:
-            return (j + (profile[j] - level) / (profile[j] - profile[j + 1])) / RIM
+            return float((j + (profile[j] - level) / (profile[j] - profile[j + 1])) / RIM)
     return np.nan
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")
 def _around(polar: Polar, typical: float, row: Column) -> None:
-    """Features 12, 13, 18 and 19: how even it is around the droplet and in it, and how round all of it."""
-    row[12] = _variation(polar, 20) / typical
-    row[13] = _variation(polar, 9) / typical
+    """How even it is around the droplet and in it, and how round all of it."""
+    row[RING_VARIATION] = _variation(polar, 20) / typical
+    row[DISK_VARIATION] = _variation(polar, 9) / typical
     along_x = along_y = mean = 0.0
     n = 0
     for k in range(N_RAYS):
@@ -217,8 +235,8 @@ def _around(polar: Polar, typical: float, row: Column) -> None:
         if level == level:
             along_x += (level - mean) * COS[k]
             along_y += (level - mean) * SIN[k]
-    row[18] = sqrt(along_x * along_x + along_y * along_y) / max(n, 1) / typical
-    row[19] = _explained(polar)
+    row[RING_SLOPE] = sqrt(along_x * along_x + along_y * along_y) / max(n, 1) / typical
+    row[MATCH] = _explained(polar)
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")
@@ -259,38 +277,3 @@ def _explained(polar: Polar) -> float:
             within += weight * (ring_square - ring * ring / n)
     variance = total_square - total * total / max(weights, 1e-30)
     return 1.0 - within / variance if variance > 0.0 else 0.0
-
-
-@dataclass(frozen=True)
-class Usual:
-    """What is usual in a frame; brightness in its own levels."""
-
-    background: float
-    edge: float
-    contrast: float
-    dip: float
-    sharpness: float
-    noise: float
-
-
-def usual_of(features: Column, image: Image, noise: float) -> Usual:
-    """Background of a frame, edge and contrast of its clear droplets, from the levels that `measure` leaves."""
-    background = float(np.percentile(image[::8, ::8], _BACKGROUND_PERCENT))
-    edges, contrasts = features[:, _EDGE_USUAL], features[:, _CONTRAST_USUAL]
-    is_clear = (features[:, SPREAD] < 0.06) & (features[:, EDGE_SHARE] > 0.8) & (contrasts > 0)
-    if is_clear.sum() < _LEAST_CLEAR:
-        is_clear = (edges > 0) & (contrasts > 0)
-    if not is_clear.any():
-        return Usual(background, noise, noise, 0.0, 1.0, noise)
-    upper_edge, upper_contrast = (float(np.percentile(column[is_clear], 75)) for column in (edges, contrasts))
-    dip, sharpness = (float(np.median(features[is_clear, which])) for which in (_DIP, _SHARPNESS))
-    return Usual(background, upper_edge, upper_contrast, dip, sharpness, noise)
-
-
-def relate_to_frame(features: Column, usual: Usual) -> None:
-    """Turn the levels that `measure` leaves into features, in place: what is a strong edge depends on the frame."""
-    features[:, _RING_LEVEL] = (features[:, _RING_LEVEL] - usual.background) / usual.edge
-    features[:, _EDGE_USUAL] = np.log(features[:, _EDGE_USUAL] / usual.edge)
-    features[:, _CONTRAST_USUAL] /= usual.contrast
-    features[:, _FRAME_EDGE] = np.log(usual.edge / usual.noise)
-    features[:, _FRAME_DIP], features[:, _FRAME_SHARPNESS] = usual.dip, usual.sharpness

@@ -1,24 +1,24 @@
 """Looking at a frame twice: droplets that are sure after the first look are explained away before the second."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
-from dropflow.detection.default.candidates import Candidates, find_candidates
+from dropflow.detection.default.candidates import find_candidates
 from dropflow.detection.default.closer import NO_OWN, NO_PROFILES, look_closer
 from dropflow.detection.default.explain import explain_away
-from dropflow.detection.default.features import N_FEATURES, SPREAD, VOTES, Usual, relate_to_frame, usual_of
+from dropflow.detection.default.features import SPREAD, VOTES
 from dropflow.detection.default.model import Model, log_odds_of
-from dropflow.detection.default.noise import noise_level
-from dropflow.detection.default.overlaps import context, is_best_of_its_kind
+from dropflow.detection.default.overlaps import context
 from dropflow.detection.default.pyramid import Level, pyramid
 from dropflow.detection.default.rays import N_PROFILE
+from dropflow.detection.default.sightings import Rows, Sightings
+from dropflow.detection.default.usual import Usual, relate_to_frame, usual_of
+from dropflow.preprocess import noise_level
 
 Image = npt.NDArray[np.float32]
 Column = npt.NDArray[np.float64]
-Flags = npt.NDArray[np.bool_]
-Rows = npt.NDArray[np.integer]
 
 FIRST_FINEST_PX, SECOND_FINEST_PX = 10.4, 5.2
 """The second look works at half the size: what is left then stands apart."""
@@ -32,53 +32,11 @@ _LEAST_YIELD = 0.06
 """Candidates are looked at in batches, those with most votes first, until less than this share of one is sure."""
 _MOST_BATCHES = 12
 _TRAINING_BATCHES = 3
-_N_ITERATIONS = 2
-"""Votes and first looks are near enough that fits begin with the second of the three iterations."""
+_N_ITERATIONS, _N_FROM_AFAR = 2, 3
+"""Votes and first looks are near enough that fits begin with the second of the three iterations; predictions not."""
 _MOST_SPREAD = 0.25
-_SAME_DISTANCE, _SAME_RATIO = 0.2, 1.2
-"""Fits as near as this have ended on the same circle."""
-_TWICE_DISTANCE, _TWICE_RATIO = 0.5, 1.35
-"""Circles as near as this are one droplet found twice."""
 _LEAST_SHARE, _MOST_SHARE = 0.6, 1.25
 """Fitted edges may leave the range of radii looked for this far: the true radius is another one."""
-
-
-@dataclass(frozen=True, eq=False)
-class Sightings:
-    """n circles that may be droplets, pixels of the frame, with their features, shape (n, features)."""
-
-    x_px: Column
-    y_px: Column
-    r_px: Column
-    features: Column
-
-    def __len__(self) -> int:
-        return len(self.x_px)
-
-    def __getitem__(self, which: Flags | Rows | slice) -> "Sightings":
-        return Sightings(*(getattr(self, field.name)[which] for field in fields(self)))
-
-    def followed_by(self, other: "Sightings") -> "Sightings":
-        """Both as one."""
-        pairs = ((getattr(self, field.name), getattr(other, field.name)) for field in fields(self))
-        return Sightings(*(np.concatenate(pair) for pair in pairs))
-
-    def circles(self) -> Column:
-        """x, y and r, shape (n, 3)."""
-        return np.column_stack([self.x_px, self.y_px, self.r_px])
-
-    def best(self, goodness: Column) -> Flags:
-        """Which are not a worse sighting of another's droplet."""
-        return is_best_of_its_kind(
-            self.x_px, self.y_px, self.r_px, goodness, distance=_TWICE_DISTANCE, ratio=_TWICE_RATIO
-        )
-
-    def unique(self) -> "Sightings":
-        """Without fits that have ended on the same circle; the one that had most votes stays."""
-        votes = self.features[:, VOTES]
-        return self[
-            is_best_of_its_kind(self.x_px, self.y_px, self.r_px, votes, distance=_SAME_DISTANCE, ratio=_SAME_RATIO)
-        ]
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,22 +63,52 @@ def second_look(image: Image, first: FirstLook, model: Model, *, r_min_px: float
 
     Returns sightings with features `dropflow.detection.default.model.AGAIN`.
     """
-    probability = model.first_probability(first.sightings.features)
-    is_sure = (probability > SURE) & first.sightings.best(probability)
-    order = np.flatnonzero(is_sure)[np.argsort(-probability[is_sure], kind="stable")]
-    sure = first.sightings[order]
-    profiles = np.zeros((len(sure), N_PROFILE), np.float32)
-    rest = image.copy()
-    explain_away(rest, sure.x_px, sure.y_px, sure.r_px, profiles)
-    look = _Look(pyramid(rest, r_max_px), first.noise, r_min_px, r_max_px, first.usual)
-    doubtful = first.sightings[(probability > DOUBTFUL) & (probability <= SURE)]
-    found = look.around(model, SECOND_FINEST_PX).followed_by(look.closer(doubtful)).unique()
-    own = sure.circles()
-    refitted = look.fitted(sure, own, profiles)
-    again = _with_context(refitted, own, np.arange(len(own)), log_odds_of(probability[order]))
-    new = _with_context(found, own, np.full(len(found), -1), np.full(len(found), np.nan))
-    both = again.followed_by(new)
-    return both[np.isfinite(both.features[:, SPREAD])]
+    rest = _Rest.of(image, first, model, r_min_px=r_min_px, r_max_px=r_max_px)
+    hidden = rest.look.around(model, SECOND_FINEST_PX)
+    return rest.with_sure(hidden.followed_by(rest.look.closer(rest.doubtful)).unique())
+
+
+def look_near(
+    image: Image, first: FirstLook, model: Model, places: Sightings, *, r_min_px: float, r_max_px: float
+) -> Sightings:
+    """As `second_look`, but beside the sure droplets only what is at these places (of which no feature is known)."""
+    rest = _Rest.of(image, first, model, r_min_px=r_min_px, r_max_px=r_max_px)
+    return rest.with_sure(rest.look.closer(places, n_iterations=_N_FROM_AFAR))
+
+
+@dataclass(frozen=True, eq=False)
+class _Rest:
+    """What is left of an image without its sure droplets, and they beside it."""
+
+    look: "_Look"
+    sure: Sightings
+    profiles: Image
+    log_odds: Column
+    """Of the sure ones."""
+    doubtful: Sightings
+
+    @staticmethod
+    def of(image: Image, first: FirstLook, model: Model, *, r_min_px: float, r_max_px: float) -> "_Rest":
+        """Explain away what the first look took for sure."""
+        probability = model.first_probability(first.sightings.features)
+        is_sure = (probability > SURE) & first.sightings.best(probability)
+        order = np.flatnonzero(is_sure)[np.argsort(-probability[is_sure], kind="stable")]
+        sure = first.sightings[order]
+        profiles = np.zeros((len(sure), N_PROFILE), np.float32)
+        rest = image.copy()
+        explain_away(rest, sure.x_px, sure.y_px, sure.r_px, profiles)
+        look = _Look(pyramid(rest, r_max_px), first.noise, r_min_px, r_max_px, first.usual)
+        doubtful = first.sightings[(probability > DOUBTFUL) & (probability <= SURE)]
+        return _Rest(look, sure, profiles, log_odds_of(probability[order]), doubtful)
+
+    def with_sure(self, found: Sightings) -> Sightings:
+        """The sure droplets fitted again, each put back alone, and what was found beside them."""
+        own = self.sure.circles()
+        refitted = self.look.fitted(self.sure, own, self.profiles)
+        again = _with_context(refitted, own, np.arange(len(own), dtype=np.int64), self.log_odds)
+        new = _with_context(found, own, np.full(len(found), -1, np.int64), np.full(len(found), np.nan))
+        both = again.followed_by(new)
+        return both[np.isfinite(both.features[:, SPREAD])]
 
 
 @dataclass(eq=False)
@@ -143,7 +131,7 @@ class _Look:
             finest_px=finest_px,
             least_votes=LEAST_VOTES,
         )
-        start = _starts(found)
+        start = Sightings.unmeasured(found.x_px, found.y_px, found.r_px, found.votes)
         size = _BATCH + _BATCH_PER_MPIXEL * self.levels[0].image.size // 1_000_000
         n_batches = _TRAINING_BATCHES if model is None else _MOST_BATCHES
         order = np.argsort(-found.votes, kind="stable")[: n_batches * size]
@@ -151,15 +139,14 @@ class _Look:
         for begin in range(0, len(order), size):
             batch = self.closer(start[order[begin : begin + size]])
             n_before, seen = len(seen), seen.followed_by(batch).unique()
-            if model is not None:
-                # What was seen before had more votes, so it is all still there.
-                if np.sum(model.first_probability(seen.features[n_before:]) > SURE) < _LEAST_YIELD * size:
-                    break
+            # What was seen before had more votes, so it is all still there.
+            if model is not None and model.n_sure(seen.features[n_before:], SURE) < _LEAST_YIELD * size:
+                break
         return seen
 
-    def closer(self, start: Sightings) -> Sightings:
+    def closer(self, start: Sightings, *, n_iterations: int = _N_ITERATIONS) -> Sightings:
         """Those of the sightings that are circles of a radius looked for, inside the frame."""
-        seen = self.fitted(start, NO_OWN, NO_PROFILES)
+        seen = self.fitted(start, NO_OWN, NO_PROFILES, n_iterations=n_iterations)
         rows, columns = self.levels[0].image.shape
         is_right = seen.features[:, SPREAD] < _MOST_SPREAD
         is_right &= (seen.r_px > _LEAST_SHARE * self.r_min_px) & (seen.r_px < _MOST_SHARE * self.r_max_px)
@@ -167,7 +154,7 @@ class _Look:
         is_right &= (seen.x_px < columns - 0.5) & (seen.y_px < rows - 0.5)
         return seen[is_right]
 
-    def fitted(self, start: Sightings, own: Column, profiles: Image) -> Sightings:
+    def fitted(self, start: Sightings, own: Column, profiles: Image, *, n_iterations: int = _N_ITERATIONS) -> Sightings:
         """All sightings fitted and measured; `own` and `profiles` as in `look_closer`."""
         x, y, r, features = look_closer(
             self.levels,
@@ -175,7 +162,7 @@ class _Look:
             start.x_px,
             start.y_px,
             start.r_px,
-            n_iterations=_N_ITERATIONS,
+            n_iterations=n_iterations,
             own=own,
             profiles=profiles,
         )
@@ -184,13 +171,6 @@ class _Look:
         relate_to_frame(features, self.usual)
         features[:, VOTES] = start.features[:, VOTES]
         return Sightings(x, y, r, features)
-
-
-def _starts(found: Candidates) -> Sightings:
-    """Candidates as sightings of which only the votes are known."""
-    features = np.full((len(found), N_FEATURES), np.nan)
-    features[:, VOTES] = found.votes
-    return Sightings(found.x_px, found.y_px, found.r_px, features)
 
 
 def _with_context(seen: Sightings, sure: Column, own: Rows, log_odds: Column) -> Sightings:

@@ -49,6 +49,10 @@ class Model:
         """Probability that a candidate of the first look is a droplet, shape (n,)."""
         return probability_of(self.first.predict(features))
 
+    def n_sure(self, features: Column, least: float) -> int:
+        """How many candidates of the first look have more than this probability."""
+        return int(np.count_nonzero(self.first_probability(features) > least))
+
     def share_out_of_range(self, features: Column) -> float:
         """Mean share of features (shape (n, len(AGAIN))) beyond what was seen in training; 0 of none."""
         if len(features) == 0:
@@ -71,8 +75,9 @@ def load(file: Path = MODEL_FILE) -> Model:
     about = json.loads(str(arrays["about"]))
     if tuple(about["features"]) != AGAIN:
         raise ValueError(f"{file} was trained on other features: run python -m dropflow.detection.default.training")
-    trees = (Trees.from_arrays(arrays, part) for part in _PARTS)
-    return Model(*trees, arrays["low"].astype(np.float64), arrays["high"].astype(np.float64), about)
+    trees = {part: Trees.from_arrays(arrays, part) for part in _PARTS}
+    low, high = (arrays[end].astype(np.float64) for end in ("low", "high"))
+    return Model(**trees, low=low, high=high, about=about)
 
 
 @lru_cache(maxsize=1)

@@ -32,15 +32,14 @@ class Level:
 def halved(image: Image) -> Image:
     """Means over blocks of exactly 2 x 2 pixels; an odd last row or column is left out, or places would be scaled."""
     rows, columns = image.shape[0] // 2, image.shape[1] // 2
-    result: Image = cv2.resize(image[: 2 * rows, : 2 * columns], (columns, rows), interpolation=cv2.INTER_AREA)
-    return result
+    whole = image[: 2 * rows, : 2 * columns]
+    return np.asarray(cv2.resize(whole, (columns, rows), interpolation=cv2.INTER_AREA), np.float32)
 
 
 def doubled(image: Image) -> Image:
     """Twice as many rows and columns, linear between pixels."""
     rows, columns = image.shape
-    result: Image = cv2.resize(image, (2 * columns, 2 * rows), interpolation=cv2.INTER_LINEAR)
-    return result
+    return np.asarray(cv2.resize(image, (2 * columns, 2 * rows), interpolation=cv2.INTER_LINEAR), np.float32)
 
 
 def pyramid(image: Image, r_max_px: float) -> list[Level]:

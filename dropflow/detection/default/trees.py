@@ -11,7 +11,7 @@ Column = npt.NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Trees:
-    """A sum of trees. A node sends a row left if its feature is at most the threshold, or missing and `missing_left`."""
+    """A sum of trees. Rows go left where their feature is at most the threshold, or missing and `missing_left`."""
 
     feature: npt.NDArray[np.int16]
     """Shape (nodes,); -1 for a leaf."""

@@ -1,11 +1,11 @@
-import { Stack, Table, Title } from "@mantine/core";
+import { Alert, Stack, Table, Title } from "@mantine/core";
 import { isMapping } from "../forms/document";
 import { type Fact, Facts } from "../platform/Facts";
 import { labelAndUnit } from "../platform/units";
 import { type Summary, shownNumber } from "../runs/summary";
 
 /** What other parts of the page show. */
-const ELSEWHERE = new Set(["provenance", "detected", "tracked", "flow"]);
+const ELSEWHERE = new Set(["provenance", "detected", "tracked", "flow", "warnings"]);
 
 /** The store keeps no order: counts come first, then means, then what is measured of them. */
 const ORDER = ["n_", "duration", "field", "mean", "radius", "sauter", "rms", "found", "computed"];
@@ -16,12 +16,23 @@ export function SummaryNumbers({ summary }: { summary: Summary }) {
   const isOfTrajectories = ([name]: [string, unknown]) => name.includes("traject");
   return (
     <Stack gap="md">
+      <Warnings warnings={summary.warnings} />
       <BeforeAndAfter before={summary.detected} after={summary.tracked} />
       <Group title="Trajectories" entries={rest.filter(isOfTrajectories)} />
       <Group title="Flow" entries={isMapping(summary.flow) ? Object.entries(summary.flow) : []} />
       <Group title="Film" entries={rest.filter((entry) => !isOfTrajectories(entry))} />
     </Stack>
   );
+}
+
+/** What those who read the numbers should know of how they were made. */
+function Warnings({ warnings }: { warnings: unknown }) {
+  if (!Array.isArray(warnings)) return null;
+  return warnings.filter(isMapping).map(({ code, message }) => (
+    <Alert key={String(code)} color="yellow" variant="light">
+      {String(message)}
+    </Alert>
+  ));
 }
 
 function Group({ title, entries }: { title: string; entries: [string, unknown][] }) {

@@ -1,5 +1,6 @@
 """What is measured once per stack, and the flat field that frames are divided by."""
 
+from dataclasses import replace
 from io import BytesIO
 
 import numpy as np
@@ -7,7 +8,8 @@ import pytest
 
 from dropflow.errors import ExperimentError, FramesError, ParametersError, ResultsError
 from dropflow.experiment import DropletTone
-from dropflow.preprocess import StackEstimate, corrected, estimate_stack
+from dropflow.preprocess import StackEstimate, Stripes, corrected, estimate_stack
+from dropflow.preprocess.stripes import Direction
 from tests.dropflow.detection.discs import experiment, parameters
 
 FRAME = np.full((100, 120), 50, np.uint8)
@@ -43,13 +45,18 @@ def test_dark_inverts_and_nothing_else():
 
 @pytest.mark.parametrize("flat", [None, flat_field()], ids=["without", "with flat field"])
 def test_an_estimate_survives_being_stored(flat, tmp_path):
-    estimate = estimate_stack([FRAME], experiment(), parameters(), flat)
+    estimate = replace(
+        estimate_stack([FRAME], experiment(), parameters(), flat),
+        stripes=Stripes(Direction.COLUMNS, 0.7),
+        unfamiliar_share=0.1,
+    )
     buffer = BytesIO()
     estimate.save(buffer)
     buffer.seek(0)
     estimate.save(tmp_path / "estimate.npz")
     for read in StackEstimate.load(buffer), StackEstimate.load(tmp_path / "estimate.npz"):
         assert read.shape == estimate.shape
+        assert (read.stripes, read.unfamiliar_share) == (estimate.stripes, estimate.unfamiliar_share)
         assert (read.flat_field is None) == (flat is None)
         assert flat is None or (read.flat_field == estimate.flat_field).all()
 

@@ -76,7 +76,7 @@ def test_the_page_needs_nothing_from_outside_and_takes_names_as_text(results_fol
 def test_warnings_and_methods_are_plain_words(results_folder: Path, found: Findings) -> None:
     results = open_results(results_folder)
     assert any("observed depth is an estimate" in text for text in warnings_of(results, found))
-    assert "paper" in methods_of(results, found)
+    assert "detection: default" in methods_of(results, found)
     assert "Lapp" in methods_of(results, found)
 
 

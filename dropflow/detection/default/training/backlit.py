@@ -113,8 +113,8 @@ def _lamp(rng: np.random.Generator) -> Image:
         polygon = centre + rng.uniform(0.45, 0.9) * SIDE_PX * np.column_stack([np.cos(at), np.sin(at)])
         window = np.full((SIDE_PX, SIDE_PX), rng.uniform(0.0, 0.1), np.float32)
         cv2.fillPoly(window, [polygon.astype(np.int32)], 1.0)
-        light *= cv2.GaussianBlur(window, (0, 0), rng.uniform(1.5, 8.0))
-    return light
+        light = light * cv2.GaussianBlur(window, (0, 0), rng.uniform(1.5, 8.0))
+    return np.asarray(light, np.float32)
 
 
 def _dust(rng: np.random.Generator) -> Image:

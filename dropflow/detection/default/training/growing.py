@@ -31,7 +31,9 @@ def regressor_trees(
     """Trees whose sum is the median of the target, or another quantile of it."""
     from sklearn.ensemble import HistGradientBoostingRegressor
 
-    loss: dict[str, Any] = {"loss": "absolute_error"} if quantile is None else {"loss": "quantile", "quantile": quantile}
+    loss: dict[str, Any] = (
+        {"loss": "absolute_error"} if quantile is None else {"loss": "quantile", "quantile": quantile}
+    )
     grown = HistGradientBoostingRegressor(
         max_iter=n_trees,
         learning_rate=9.0 / n_trees,

@@ -5,11 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from dropflow.detection.default.cleaning import cleaned, measure_stripes
-from dropflow.detection.default.looks import Sightings
+from dropflow.detection.default.sightings import Sightings
 from dropflow.detection.default.training.scenes import Scene
-from dropflow.preprocess import StackEstimate, corrected
-from dropflow.preprocess.estimate import normalised_flat_field
+from dropflow.preprocess import StackEstimate, corrected, measure_stripes, remove_stripes
+from dropflow.preprocess.flat_field import normalised_flat_field
 
 Image = npt.NDArray[np.float32]
 Column = npt.NDArray[np.float64]
@@ -42,15 +41,16 @@ def prepared(scene: Scene) -> Image:
     rows, columns = scene.frame.shape
     flat = None if scene.flat_field is None else normalised_flat_field(scene.flat_field, (rows, columns))
     image = corrected(scene.frame, StackEstimate((rows, columns), flat), scene.tone)
-    return cleaned(image, measure_stripes([image]))
+    remove_stripes(image, measure_stripes([image]))
+    return image
 
 
 def labelled(scene: Scene, seen: Sightings) -> Samples:
     """Compare sightings with the truth.
 
     The cost of a pair is its distance over half the radius (of at least 6 px) plus 1.5 |ln of the ratio of radii|, the
-    fitted one to where the droplet's edge is. Of several sightings of one droplet the best is right; others, unless they
-    are so near to it that only one will be kept, are wrong.
+    fitted one to where the droplet's edge is. Of several sightings of one droplet the best is right; others, unless
+    they are so near to it that only one will be kept, are wrong.
     """
     n = len(seen)
     is_droplet, true_row, cost = np.zeros(n), np.full(n, -1, np.int64), np.full(n, np.inf)
@@ -79,7 +79,7 @@ def _once_each(seen: Sightings, is_droplet: Column, true_row: npt.NDArray[np.int
     best: dict[int, int] = {}
     for i in np.argsort(cost, kind="stable"):
         row = int(true_row[i])
-        if row < 0 or not is_droplet[i] == 1.0:
+        if row < 0 or is_droplet[i] != 1.0:
             continue
         if row not in best:
             best[row] = int(i)

@@ -23,13 +23,13 @@ def disc_scene(seed: int) -> Scene:
     for centre_x, centre_y, radius in zip(x, y, r, strict=True):
         at = (round((centre_x + 0.5) * _FINE * 16 - 8), round((centre_y + 0.5) * _FINE * 16 - 8))
         cv2.circle(fine, at, round(radius * _FINE * 16), 255, -1, shift=4)
-    share = cv2.resize(fine, (_SIDE_PX, _SIDE_PX), interpolation=cv2.INTER_AREA).astype(np.float64) / 255
+    reduced = cv2.resize(fine, (_SIDE_PX, _SIDE_PX), interpolation=cv2.INTER_AREA)
+    share = np.asarray(reduced, np.float32) / 255
     if rng.random() < 0.5:
-        share = cv2.GaussianBlur(share, (0, 0), rng.uniform(0.3, 0.15 * smallest + 0.3))
+        share = np.asarray(cv2.GaussianBlur(share, (0, 0), rng.uniform(0.3, 0.15 * smallest + 0.3)), np.float32)
     contrast = rng.uniform(60, 220)
-    levels = rng.uniform(0, 255 - contrast) + contrast * share + rng.uniform(0.3, 0.08 * contrast) * rng.standard_normal(
-        share.shape
-    )
+    levels = rng.uniform(0, 255 - contrast) + contrast * share.astype(np.float64)
+    levels += rng.uniform(0.3, 0.08 * contrast) * rng.standard_normal(share.shape)
     is_dark = rng.random() < 0.3
     frame = np.clip(np.rint(255 - levels if is_dark else levels), 0, 255).astype(np.uint8)
     return Scene(
@@ -52,7 +52,7 @@ def empty_scene(seed: int) -> Scene:
     rng = np.random.default_rng([_SEED, 1, seed])
     noise = rng.standard_normal((_SIDE_PX, 2 * _SIDE_PX)).astype(np.float32)
     if rng.random() < 0.3:
-        noise = cv2.GaussianBlur(noise, (0, 0), rng.uniform(0.4, 1.5))
+        noise = np.asarray(cv2.GaussianBlur(noise, (0, 0), rng.uniform(0.4, 1.5)), np.float32)
         noise /= noise.std()
     coarse = rng.standard_normal((4, 6)).astype(np.float32)
     ground = rng.uniform(0, 20) * cv2.resize(coarse, (2 * _SIDE_PX, _SIDE_PX), interpolation=cv2.INTER_CUBIC)

@@ -29,7 +29,7 @@ def test_most_errors_are_within_one_standard_deviation():
     discs = [
         (50.0 + 100 * i + rng.uniform(-9, 9), 50.0 + 100 * j, rng.uniform(7, 30)) for i in range(10) for j in range(6)
     ]
-    droplets = find(draw(discs, shape=(600, 1000), noise=4))
+    droplets = find(draw(discs, shape=(600, 1000), noise=4), method="paper")
     errors = np.array([nearest(droplets, disc) for disc in discs])
     radii = np.array([disc[2] for disc in discs])
     assert np.mean(np.abs(errors[:, 1] - 1) * radii <= radius_std_px(radii)) >= 0.68
@@ -40,7 +40,7 @@ def test_most_errors_are_within_one_standard_deviation():
 def test_a_radius_may_leave_the_range_by_its_uncertainty(r, is_kept):
     """Blur makes measured radii too small: without this, droplets just within the range would be lost."""
     frame = draw([(100, 100, r + 0.9)], noise=0.5)
-    detector = detector_for(frame, radius_min_um=6.0)
+    detector = detector_for(frame, method="paper", radius_min_um=6.0)
     assert isinstance(detector, PaperDetector)
     found = detector.detect(detector.prepare(frame))
     assert (len(found.droplets) == 1) == is_kept
