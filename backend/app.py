@@ -35,6 +35,8 @@ from backend.runs.endpoints import router as runs
 from backend.stacks.endpoints import router as stacks
 from backend.stacks.images import OpenStacks
 from backend.trajectories.endpoints import router as trajectories
+from backend.uploads.endpoints import router as uploads
+from backend.uploads.intake import Intakes
 from dropflow.provenance import code_version
 
 API = "/api/v1"
@@ -74,7 +76,7 @@ def bare_app(lifespan: Lifespan[FastAPI] | None = None) -> FastAPI:
         lifespan=lifespan,
     )
     api = APIRouter(prefix=API, dependencies=[Depends(check_media)])
-    for router in (health, forms, experiments, stacks, runs, results, trajectories):
+    for router in (health, forms, experiments, stacks, uploads, runs, results, trajectories):
         api.include_router(router)
     app.include_router(api)
     problems.install(app)
@@ -94,7 +96,7 @@ def _lifespan(settings: Settings) -> Lifespan[FastAPI]:
             queue=Queue(settings.redis_url),
             listener=Listener(settings.database_url),
         )
-        app.state.platform, app.state.open_stacks = platform, OpenStacks()
+        app.state.platform, app.state.open_stacks, app.state.intakes = platform, OpenStacks(), Intakes()
         try:
             _greet(platform)
             platform.listener.start(asyncio.get_running_loop())

@@ -3,11 +3,10 @@
 import errno
 import os
 
-from sqlalchemy import select
 from sqlalchemy.orm import Session
 
-from backend.models import DoomedObject, Experiment, File
-from backend.models.lifecycle import end_run
+from backend.models import Experiment
+from backend.models.lifecycle import end_run, remove_files
 from backend.models.states import STACK_RULES, rule
 from backend.platform.events import announce, experiment_topic, run_topic
 from backend.platform.problems import Problem
@@ -38,9 +37,7 @@ def reject_stack(session: Session, experiment: Experiment, problem: Problem) -> 
     experiment.stack.state = rule(STACK_RULES, "reject").target
     experiment.stack.problem = problem.model_dump()
     if not problem.code.startswith(_OURS):
-        for file in session.scalars(select(File).where(File.experiment_id == experiment.id)):
-            session.add(DoomedObject(key=file.store_key))
-            session.delete(file)
+        remove_files(session, experiment.id)
     announce(session, experiment_topic(experiment.id))
 
 

@@ -11,6 +11,7 @@ from sqlalchemy.orm import Session
 
 from backend.models import File, Product, Run, Shard, Stack
 from backend.platform.object_store import ObjectStore
+from backend.platform.places import Place
 from backend.platform.store_files import StoreFiles
 from dropflow.experiment import Experiment, parse_experiment
 from dropflow.frames import Choice, Frames, open_frames
@@ -32,8 +33,8 @@ class Film:
     run_id: UUID
     experiment: Experiment
     parameters: Parameters
-    files: dict[str, dict[str, str]]
-    """Where each uploaded file is kept: key by name, by role."""
+    files: dict[str, dict[str, Place]]
+    """Where each uploaded file is kept, by name, by role."""
     store: ObjectStore
 
     @contextmanager
@@ -97,12 +98,12 @@ def prefixes(session: Session, run_id: UUID, task: Task) -> list[str]:
     return list(session.scalars(query))
 
 
-def uploaded_files(session: Session, experiment_id: UUID) -> dict[str, dict[str, str]]:
-    """Where each uploaded file is kept: key by name, by role."""
-    found: dict[str, dict[str, str]] = {FRAMES_ROLE: {}}
-    query = select(File.role, File.name, File.store_key).where(File.experiment_id == experiment_id)
-    for role, name, key in session.execute(query):
-        found.setdefault(role, {})[name] = key
+def uploaded_files(session: Session, experiment_id: UUID) -> dict[str, dict[str, Place]]:
+    """Where each uploaded file is kept, by name, by role."""
+    found: dict[str, dict[str, Place]] = {FRAMES_ROLE: {}}
+    columns = (File.role, File.name, File.store_key, File.start_byte, File.size_bytes)
+    for role, name, key, start, size in session.execute(select(*columns).where(File.experiment_id == experiment_id)):
+        found.setdefault(role, {})[name] = Place(key, start, size)
     return found
 
 

@@ -43,10 +43,10 @@ def _index(context: Context, lease: Lease) -> StackIndex:
     source = StoreFiles(context.store, files[FRAMES_ROLE])
     with ExitStack() as opened:
         attachments = {
-            role: opened.enter_context(context.store.open(key))
+            role: opened.enter_context(context.store.open_place(place))
             for role, named in files.items()
             if role != FRAMES_ROLE
-            for key in named.values()
+            for place in named.values()
         }
         index = index_stack(source, experiment, attachments=attachments, checksums=checksums, progress=lease.alive)
         frames = opened.enter_context(open_frames(source, Choice.of(experiment)))

@@ -5,6 +5,7 @@ from backend.models.experiments import Experiment, File, Stack
 from backend.models.people import Group, Membership, Person
 from backend.models.requests import IdempotencyKey
 from backend.models.runs import DoomedObject, FrameSummary, Product, Run, Shard, Speed, Stage, Tally
+from backend.models.uploads import Upload, UploadPiece
 
 __all__ = [
     "Base",
@@ -23,4 +24,6 @@ __all__ = [
     "Stack",
     "Stage",
     "Tally",
+    "Upload",
+    "UploadPiece",
 ]

@@ -60,4 +60,7 @@ class File(Identified, Dated, Base):
     name: Mapped[str] = mapped_column(String(1000))
     size_bytes: Mapped[int] = mapped_column(BigInteger)
     sha256: Mapped[str] = mapped_column(String(64))
-    store_key: Mapped[str] = mapped_column(String(300))
+    store_key: Mapped[str] = mapped_column(String(300), index=True)
+    """An object, or a prefix that ends in ``/`` with the pieces of one; small files that came together share one."""
+    start_byte: Mapped[int] = mapped_column(BigInteger, default=0, server_default="0")
+    """Where its bytes begin there."""

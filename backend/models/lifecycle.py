@@ -1,10 +1,15 @@
-"""What one change of a run's state brings with it for its stages and shards. Whoever calls holds the run's lock."""
+"""What one change brings with it for other rows: of a run's state, or that files go. Whoever calls holds the lock."""
 
-from sqlalchemy import func, select, update
+from collections.abc import Iterable
+from uuid import UUID
+
+from sqlalchemy import ColumnElement, delete, func, select, update
+from sqlalchemy.dialects.postgresql import insert
 from sqlalchemy.orm import Session
 
 from backend.models.base import Json
-from backend.models.runs import Run, Shard, Stage
+from backend.models.experiments import File
+from backend.models.runs import DoomedObject, Run, Shard, Stage
 from backend.models.states import (
     OPEN_SHARD_STATES,
     RUN_RULES,
@@ -67,3 +72,18 @@ def settle_cancel(session: Session, run: Run) -> bool:
         return False
     end_run(session, run, "cancel")
     return True
+
+
+def doom(session: Session, keys: Iterable[str]) -> None:
+    """Have objects removed, once this transaction is safe."""
+    rows = [{"key": key} for key in keys]
+    if rows:
+        session.execute(insert(DoomedObject).values(rows).on_conflict_do_nothing())
+
+
+def remove_files(session: Session, experiment_id: UUID, *conditions: ColumnElement[bool]) -> None:
+    """Forget files of an experiment. Files that came together share their bytes, which go with the last of them."""
+    gone = delete(File).where(File.experiment_id == experiment_id, *conditions).returning(File.store_key)
+    keys = set(session.scalars(gone.execution_options(synchronize_session=False)))
+    kept = select(File.store_key).where(File.experiment_id == experiment_id).distinct()
+    doom(session, sorted(keys - set(session.scalars(kept))) if keys else ())

@@ -1,5 +1,6 @@
-"""Requests are bounded before they are read. Files come by PUT, and their endpoint bounds them itself."""
+"""Requests are bounded before they are read. The endpoints that files come to bound them themselves."""
 
+import re
 from http import HTTPStatus
 
 from starlette.datastructures import Headers
@@ -7,6 +8,9 @@ from starlette.exceptions import HTTPException
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from backend.platform.problems import http_problem, problem_response
+
+_UPLOAD = re.compile(r"/experiments/[^/]+/uploads(/[^/]+)?/?$")
+_BYTES_TYPE = "application/offset+octet-stream"
 
 
 class BoundedBodies:
@@ -16,7 +20,7 @@ class BoundedBodies:
         self._app, self._max_bytes = app, max_bytes
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        if scope["type"] != "http" or scope["method"] == "PUT":
+        if scope["type"] != "http" or _brings_files(scope):
             await self._app(scope, receive, send)
         elif self._announced_bytes(scope) > self._max_bytes:
             too_large = HTTPException(HTTPStatus.REQUEST_ENTITY_TOO_LARGE)
@@ -41,3 +45,11 @@ class BoundedBodies:
             return message
 
         return counted
+
+
+def _brings_files(scope: Scope) -> bool:
+    """Whether what comes is the content of a file, which is never held as a whole."""
+    if scope["method"] in {"POST", "PATCH"}:
+        is_bytes = Headers(scope=scope).get("content-type") == _BYTES_TYPE
+        return is_bytes and _UPLOAD.search(scope["path"]) is not None
+    return bool(scope["method"] == "PUT")

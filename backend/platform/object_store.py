@@ -1,9 +1,11 @@
 """Bytes by key, in a local folder or in S3. Keys are made here of ids; no name from outside becomes one."""
 
 import io
+import os
 import shutil
 from collections.abc import AsyncIterator, Iterator
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import Any, BinaryIO, cast
 from urllib.parse import unquote, urlparse
@@ -13,12 +15,21 @@ import obstore
 import zarr.storage
 from obstore.store import LocalStore, from_url
 
+from backend.platform.growing import Growing, GrowingFile, GrowingPieces
+from backend.platform.places import INDEX_NAME, Piece, Place, ReadAt, Stretch, joined, read_index
+
 READ_BYTES = 1 << 20
+_MOST_INDEXES = 1000
 
 
 def file_key(experiment_id: UUID, file_id: UUID) -> str:
     """Where an uploaded file is kept."""
     return f"{experiment_prefix(experiment_id)}files/{file_id}"
+
+
+def upload_key(experiment_id: UUID, upload_id: UUID, *, can_grow: bool) -> str:
+    """Where the bytes of an upload are kept: in one object if objects can grow, else in pieces below a prefix."""
+    return file_key(experiment_id, upload_id) + ("" if can_grow else "/")
 
 
 def product_prefix(experiment_id: UUID, shard_id: UUID, fence: int) -> str:
@@ -43,6 +54,7 @@ class ObjectStore:
         else:
             self.store = from_url(url)
         self._url = url
+        self._indexes: dict[str, list[Piece]] = {}
 
     async def put_stream(self, key: str, chunks: AsyncIterator[bytes]) -> None:
         """Write `chunks` as they come; if they end in an error, nothing is left."""
@@ -68,7 +80,48 @@ class ObjectStore:
         """Open an object for reading; it can seek."""
         if self._root is not None:
             return (self._root / key).open("rb")
-        return cast(BinaryIO, io.BufferedReader(_RangeReader(self.store, key), READ_BYTES))
+        return self.open_place(Place(key, 0, obstore.head(self.store, key)["size"]))
+
+    def open_place(self, place: Place) -> BinaryIO:
+        """Open a stretch of an object, or of pieces, for reading; it can seek."""
+        close = None
+        if place.key.endswith("/"):
+            read_at = joined(self._pieces(place.key), lambda name, at, n: self._range(place.key + name, at, n))
+        elif self._root is None:
+            read_at = partial(self._range, place.key)
+        else:
+            file = (self._root / place.key).open("rb")
+            if place.start_byte == 0 and os.fstat(file.fileno()).st_size == place.size_bytes:
+                return file
+            read_at, close = _reading(file), file.close
+        stretch = Stretch(read_at, start=place.start_byte, size=place.size_bytes, close=close)
+        return cast(BinaryIO, io.BufferedReader(stretch, READ_BYTES))
+
+    @property
+    def can_grow(self) -> bool:
+        """Whether an object can be appended to."""
+        return self._root is not None
+
+    def grow(self, key: str, *, at_byte: int, fence: int) -> Growing:
+        """Open what `upload_key` names for appending after byte `at_byte`."""
+        if self._root is not None:
+            return GrowingFile(self._root / key, at_byte)
+        return GrowingPieces(self.store, key, at_byte, fence)
+
+    def free_bytes(self) -> int | None:
+        """How much more can be kept; None where nobody can tell."""
+        return None if self._root is None else shutil.disk_usage(self._root).free
+
+    def _range(self, key: str, start: int, n: int) -> bytes:
+        return bytes(obstore.get_range(self.store, key, start=start, end=start + n))
+
+    def _pieces(self, prefix: str) -> list[Piece]:
+        """The index of an upload's pieces: it never changes once it is there."""
+        if prefix not in self._indexes:
+            if len(self._indexes) >= _MOST_INDEXES:
+                self._indexes.clear()
+            self._indexes[prefix] = read_index(self.read(prefix + INDEX_NAME))
+        return self._indexes[prefix]
 
     def as_folder(self, prefix: str, scratch: Path) -> Path:
         """The objects below `prefix` as files: where they are if that is a folder, else copied into `scratch`."""
@@ -108,32 +161,8 @@ class ObjectStore:
                 continue
 
 
-class _RangeReader(io.RawIOBase):
-    """A remote object as a file: each read is a range request."""
+def _reading(file: BinaryIO) -> ReadAt:
+    def read_at(start: int, n: int) -> bytes:
+        return os.pread(file.fileno(), n, start)
 
-    def __init__(self, store: obstore.store.ObjectStore, key: str) -> None:
-        self._store, self._key, self._at = store, key, 0
-        self._size = obstore.head(store, key)["size"]
-
-    def readable(self) -> bool:
-        return True
-
-    def seekable(self) -> bool:
-        return True
-
-    def seek(self, offset: int, whence: int = io.SEEK_SET) -> int:
-        start = {io.SEEK_SET: 0, io.SEEK_CUR: self._at, io.SEEK_END: self._size}[whence]
-        self._at = max(0, start + offset)
-        return self._at
-
-    def tell(self) -> int:
-        return self._at
-
-    def readinto(self, buffer: memoryview) -> int:  # type: ignore[override]
-        end = min(self._at + len(buffer), self._size)
-        if end <= self._at:
-            return 0
-        content = obstore.get_range(self._store, self._key, start=self._at, end=end)
-        buffer[: len(content)] = memoryview(content)
-        self._at += len(content)
-        return len(content)
+    return read_at

@@ -45,11 +45,14 @@ class Problem(BaseModel):
 class ServiceError(DropflowError):
     """An expected answer of the service other than success; nouns derive theirs in `errors.py`."""
 
-    status = HTTPStatus.BAD_REQUEST
+    status: int = HTTPStatus.BAD_REQUEST
 
-    def __init__(self, message: str, *, status: HTTPStatus | None = None, **about: Any) -> None:
+    def __init__(
+        self, message: str, *, status: int | None = None, headers: Mapping[str, str] | None = None, **about: Any
+    ) -> None:
         super().__init__(message, **about)
         self.status = status or self.status
+        self.headers = headers
 
 
 class NotFound(ServiceError):
@@ -70,7 +73,7 @@ def problem_of(error: DropflowError) -> Problem:
     """The library's errors are about what was given (422); the service's say their own status."""
     status = error.status if isinstance(error, ServiceError) else HTTPStatus.UNPROCESSABLE_ENTITY
     return Problem(
-        title=status.phrase,
+        title=_phrase(status),
         status=status,
         code=error.code,
         detail=error.message,
@@ -90,7 +93,11 @@ def responses(*errors: type[ServiceError] | HTTPStatus) -> dict[int | str, dict[
     """What an endpoint says of its errors in the OpenAPI document."""
     statuses = sorted({error if isinstance(error, HTTPStatus) else error.status for error in errors})
     content = {MEDIA_TYPE: {"schema": {"$ref": "#/components/schemas/Problem"}}}
-    return {int(status): {"description": status.phrase, "content": content} for status in statuses}
+    return {int(status): {"description": _phrase(status), "content": content} for status in statuses}
+
+
+def _phrase(status: int) -> str:
+    return _OTHER_PHRASES.get(status) or HTTPStatus(status).phrase
 
 
 def install(app: FastAPI) -> None:
@@ -101,7 +108,7 @@ def install(app: FastAPI) -> None:
 
 def _expected(_: Request, error: Exception) -> JSONResponse:
     assert isinstance(error, DropflowError)  # noqa: S101 - registered for this kind
-    return problem_response(problem_of(error))
+    return problem_response(problem_of(error), error.headers if isinstance(error, ServiceError) else None)
 
 
 def _http(request: Request, error: Exception) -> JSONResponse:
@@ -153,6 +160,8 @@ def _bug(request: Request, error: Exception) -> JSONResponse:
     detail = "Something went wrong here that was not expected. It was written to the service's log."
     return problem_response(Problem(title=status.phrase, status=status, code="service.internal", detail=detail))
 
+
+_OTHER_PHRASES = {460: "Checksum Mismatch"}  # the protocol of uploads has it
 
 _CODES = {
     HTTPStatus.NOT_FOUND: "not_found",

@@ -46,6 +46,9 @@ class Settings(BaseSettings):
     max_body_bytes: Annotated[int, Field(ge=1024)] = 1_000_000
     """Largest request that is no file."""
 
+    upload_expires_s: Annotated[float, Field(ge=60)] = 7 * 86_400.0
+    """How long an upload that broke off can be continued after its last byte."""
+
     lease_s: Annotated[float, Field(ge=1, le=3600)] = 60.0
     """How long a worker may be silent before its work goes to another; longer than any one frame takes."""
     reconcile_every_s: Annotated[float, Field(ge=0.1, le=60)] = 5.0

@@ -4,16 +4,17 @@ from collections.abc import Mapping, Sequence
 from typing import BinaryIO
 
 from backend.platform.object_store import ObjectStore
+from backend.platform.places import Place
 
 
 class StoreFiles:
     """`dropflow.frames.Files` over the object store."""
 
-    def __init__(self, store: ObjectStore, keys: Mapping[str, str]) -> None:
-        self._store, self._keys = store, keys
+    def __init__(self, store: ObjectStore, places: Mapping[str, Place]) -> None:
+        self._store, self._places = store, places
 
     def names(self) -> Sequence[str]:
-        return list(self._keys)
+        return list(self._places)
 
     def open(self, name: str) -> BinaryIO:
-        return self._store.open(self._keys[name])
+        return self._store.open_place(self._places[name])

@@ -1,7 +1,7 @@
 """/experiments/{id}/files, /stack and /frames."""
 
 from http import HTTPStatus
-from typing import Annotated
+from typing import Annotated, Literal
 from uuid import UUID
 
 from fastapi import APIRouter, Header, Path, Query, Request, Response
@@ -11,8 +11,9 @@ from backend.experiments.schemas import Experiment
 from backend.experiments.service import shown
 from backend.platform.dependencies import PlatformDependency, SessionDependency, ViewerDependency
 from backend.platform.problems import InvalidRequest, responses
+from backend.platform.store_errors import StoreAway, StoreFull
 from backend.stacks import service, upload
-from backend.stacks.errors import NoSpace, RunsExist, StackClosed, TooLarge, WrongKind
+from backend.stacks.errors import RunsExist, StackClosed, TooLarge, WrongKind
 from backend.stacks.images import PictureKind, as_picture
 from backend.stacks.pictures import read_frame
 from backend.stacks.schemas import File, FileQuery, Files, Role
@@ -40,7 +41,7 @@ def files_list(
 @router.put(
     "/files",
     status_code=HTTPStatus.CREATED,
-    responses=responses(NoSuchExperiment, StackClosed, TooLarge, WrongKind, InvalidRequest, NoSpace),
+    responses=responses(NoSuchExperiment, StackClosed, TooLarge, WrongKind, InvalidRequest, StoreFull, StoreAway),
     openapi_extra=_RAW_BODY,
 )
 async def files_upload(
@@ -61,10 +62,17 @@ async def files_upload(
     "/stack", status_code=HTTPStatus.ACCEPTED, responses=responses(NoSuchExperiment, StackClosed, InvalidRequest)
 )
 def stack_complete(
-    session: SessionDependency, platform: PlatformDependency, viewer: ViewerDependency, experiment_id: UUID
+    session: SessionDependency,
+    platform: PlatformDependency,
+    viewer: ViewerDependency,
+    experiment_id: UUID,
+    missing: Annotated[
+        Literal["refuse", "leave_out"], Query(description="What to do if announced files have not arrived.")
+    ] = "refuse",
 ) -> Experiment:
     """Say that all files are there. Every frame is read; the stack becomes `ready` or `rejected` with the problem."""
-    return shown(session, service.seal(session, platform, viewer, experiment_id))
+    leave_out = missing == "leave_out"
+    return shown(session, service.seal(session, platform, viewer, experiment_id, leave_out_missing=leave_out))
 
 
 @router.delete("/stack", responses=responses(NoSuchExperiment, RunsExist, InvalidRequest))

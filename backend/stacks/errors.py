@@ -49,15 +49,6 @@ class EmptyFile(UploadError):
         super().__init__("The file is empty.", code="upload.empty", file=name)
 
 
-class NoSpace(UploadError):
-    """The disk is full, or the store failed."""
-
-    status = HTTPStatus.INSUFFICIENT_STORAGE
-
-    def __init__(self, name: str) -> None:
-        super().__init__("The file could not be stored.", code="upload.not_stored", file=name, hint="Try again later.")
-
-
 class StackClosed(Conflict):
     """Its frames are complete already."""
 
@@ -74,6 +65,17 @@ class StackEmpty(Conflict):
 
     def __init__(self) -> None:
         super().__init__("There are no frames yet.", code="conflict.stack_empty", hint="Upload the frames first.")
+
+
+class FilesMissing(Conflict):
+    """Files that were announced have not arrived."""
+
+    def __init__(self, n_files: int, n_bytes: int) -> None:
+        super().__init__(
+            f"{n_files:,} announced files have not arrived yet ({n_bytes:,} bytes).",
+            code="conflict.files_missing",
+            hint="Send them, or say missing=leave_out to go on without them.",
+        )
 
 
 class StackNotReady(Conflict):

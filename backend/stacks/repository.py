@@ -6,7 +6,7 @@ from uuid import UUID
 from sqlalchemy import Select, delete, func, select
 from sqlalchemy.orm import Session
 
-from backend.models import Experiment, File, Run, Shard
+from backend.models import Experiment, File, Run, Shard, Upload
 from backend.platform.pages import Order, page_of
 from backend.platform.visibility import Viewer, visible_experiments
 from backend.stacks.schemas import FileQuery
@@ -57,3 +57,19 @@ def has_runs(session: Session, experiment_id: UUID) -> bool:
 def delete_ingest(session: Session, experiment_id: UUID) -> None:
     """Forget the work of indexing; a worker that holds it finds its lease gone."""
     session.execute(delete(Shard).where(Shard.experiment_id == experiment_id, Shard.run_id.is_(None)))
+
+
+def missing(session: Session, experiment_id: UUID) -> tuple[int, int]:
+    """Number of files that were announced but have not arrived, and how many bytes of them have not."""
+    n_files, n_bytes = func.sum(Upload.n_files), func.sum(Upload.size_bytes - Upload.offset_bytes)
+    query = select(func.coalesce(n_files, 0), func.coalesce(n_bytes, 0))
+    row = session.execute(
+        query.where(Upload.experiment_id == experiment_id, Upload.finished_at.is_(None), Upload.problem.is_(None))
+    ).one()
+    return int(row[0]), int(row[1])
+
+
+def end_uploads(session: Session, experiment_id: UUID) -> list[str]:
+    """Forget all uploads. Returns the keys of bytes that no file is made of."""
+    ended = delete(Upload).where(Upload.experiment_id == experiment_id).returning(Upload.store_key, Upload.finished_at)
+    return [key for key, finished_at in session.execute(ended) if finished_at is None]

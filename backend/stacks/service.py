@@ -5,15 +5,17 @@ from uuid import UUID
 from sqlalchemy.orm import Session
 
 from backend.experiments.service import get, get_locked
-from backend.models import DoomedObject, Experiment, File, Shard, Stack
+from backend.models import Experiment, File, Shard, Stack
+from backend.models.lifecycle import doom, remove_files
 from backend.models.states import STACK_RULES, StackState, rule
 from backend.platform.database import after_commit
 from backend.platform.dependencies import Platform
 from backend.platform.events import announce, experiment_topic
+from backend.platform.places import Place
 from backend.platform.visibility import Viewer
 from backend.stacks import repository, schemas
 from backend.stacks.attachments import disagreements
-from backend.stacks.errors import NoSuchFrame, RunsExist, StackClosed, StackEmpty, StackNotReady
+from backend.stacks.errors import FilesMissing, NoSuchFrame, RunsExist, StackClosed, StackEmpty, StackNotReady
 from dropflow.errors import ExperimentError
 
 
@@ -24,7 +26,9 @@ def files(session: Session, viewer: Viewer, experiment_id: UUID, query: schemas.
     return schemas.Files(items=[schemas.File.model_validate(file) for file in found], next_cursor=next_cursor)
 
 
-def seal(session: Session, platform: Platform, viewer: Viewer, experiment_id: UUID) -> Experiment:
+def seal(
+    session: Session, platform: Platform, viewer: Viewer, experiment_id: UUID, *, leave_out_missing: bool = False
+) -> Experiment:
     """All files are there: have a worker read every frame."""
     experiment = get_locked(session, viewer, experiment_id)
     found = repository.files(session, viewer, experiment_id)
@@ -32,6 +36,7 @@ def seal(session: Session, platform: Platform, viewer: Viewer, experiment_id: UU
         raise StackClosed
     if not any(file.role == schemas.Role.FRAMES for file in found):
         raise StackEmpty
+    _end_uploads(session, experiment_id, leave_out_missing=leave_out_missing)
     if problems := disagreements(experiment.document, [(file.role, file.name) for file in found]):
         raise ExperimentError("The experiment and the uploaded files do not agree.", fields=problems)
     experiment.stack.state = rule(STACK_RULES, "seal").target
@@ -43,17 +48,22 @@ def seal(session: Session, platform: Platform, viewer: Viewer, experiment_id: UU
     return experiment
 
 
+def _end_uploads(session: Session, experiment_id: UUID, *, leave_out_missing: bool) -> None:
+    n_missing, n_bytes = repository.missing(session, experiment_id)
+    if n_missing and not leave_out_missing:
+        raise FilesMissing(n_missing, n_bytes)
+    doom(session, repository.end_uploads(session, experiment_id))
+
+
 def clear(session: Session, viewer: Viewer, experiment_id: UUID) -> Experiment:
     """Remove the frames and everything that was uploaded beside them; an index that goes on is given up."""
     experiment = get_locked(session, viewer, experiment_id)
     if repository.has_runs(session, experiment_id):
         raise RunsExist
-    for file in repository.files(session, viewer, experiment_id):
-        session.add(DoomedObject(key=file.store_key))
-        session.delete(file)
+    keys = [key for key in (experiment.stack.index_key,) if key]
+    doom(session, [*keys, *repository.end_uploads(session, experiment_id)])
     repository.delete_ingest(session, experiment_id)
-    if experiment.stack.index_key:
-        session.add(DoomedObject(key=experiment.stack.index_key))
+    remove_files(session, experiment_id)
     _empty(experiment.stack)
     announce(session, experiment_topic(experiment.id))
     session.flush()
@@ -78,7 +88,11 @@ def with_frame(session: Session, viewer: Viewer, experiment_id: UUID, frame: int
     return experiment
 
 
-def frame_files(session: Session, viewer: Viewer, experiment_id: UUID) -> dict[str, str]:
+def frame_files(session: Session, viewer: Viewer, experiment_id: UUID) -> dict[str, Place]:
     """Where each file of frames is kept, by name."""
     found: list[File] = list(repository.files(session, viewer, experiment_id))
-    return {file.name: file.store_key for file in found if file.role == schemas.Role.FRAMES}
+    return {
+        file.name: Place(file.store_key, file.start_byte, file.size_bytes)
+        for file in found
+        if file.role == schemas.Role.FRAMES
+    }

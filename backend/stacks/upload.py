@@ -4,25 +4,25 @@ from collections.abc import AsyncIterator
 from dataclasses import dataclass
 from uuid import UUID, uuid4
 
-import structlog
 from fastapi.concurrency import run_in_threadpool
 from obstore.exceptions import BaseError
 from sqlalchemy.orm import Session
 
 from backend.experiments.service import get, get_locked
-from backend.models import DoomedObject, Experiment, File
+from backend.models import Experiment, File
+from backend.models.lifecycle import remove_files
 from backend.models.states import STACK_RULES, rule
 from backend.platform.dependencies import Platform
 from backend.platform.events import announce, experiment_topic
 from backend.platform.object_store import file_key
+from backend.platform.store_errors import store_error
 from backend.platform.visibility import Viewer
 from backend.stacks import names, repository
 from backend.stacks.content import Content
-from backend.stacks.errors import NoSpace, StackClosed, TooLarge
+from backend.stacks.errors import StackClosed, TooLarge
 from backend.stacks.schemas import Role
 
 MAX_TABLE_BYTES = 50_000_000
-log = structlog.get_logger()
 
 
 @dataclass(frozen=True)
@@ -48,9 +48,8 @@ async def receive(platform: Platform, upload: Upload, body: AsyncIterator[bytes]
     try:
         await platform.store.put_stream(key, content.__aiter__())
         return await run_in_threadpool(_record, platform, upload, file_id, content)
-    except BaseError as problem:
-        log.error("upload not stored", key=key, reason=str(problem))
-        raise NoSpace(upload.name) from None
+    except (BaseError, OSError) as problem:
+        raise store_error(problem) from None
     except BaseException:
         await run_in_threadpool(platform.store.remove, key)
         raise
@@ -74,9 +73,7 @@ def _record(platform: Platform, upload: Upload, file_id: UUID, content: Content)
         if _other_bytes(session, upload) + content.size_bytes > platform.settings.max_stack_bytes:
             raise TooLarge("stack", platform.settings.max_stack_bytes, upload.name)
         if earlier := repository.named(session, experiment.id, upload.role, upload.name):
-            session.add(DoomedObject(key=earlier.store_key))
-            session.delete(earlier)
-            session.flush()
+            remove_files(session, experiment.id, File.id == earlier.id)
         file = File(
             id=file_id,
             experiment_id=experiment.id,

@@ -5,14 +5,17 @@ from uuid import UUID, uuid4
 
 import httpx
 import pytest
+from sqlalchemy import func
 
 from backend.app import bare_app
 from backend.models import Group, Membership, Person
+from backend.models import Upload as UploadRow
 from backend.platform.dependencies import current_viewer
 from backend.platform.visibility import Viewer
 from tests.films import EXPERIMENT, PARAMETERS
 from tests.house import House, Json
 
+UPLOAD_ID = UUID("00000000-0000-4000-8000-00000000aaaa")
 ROUTES = [
     (method.upper(), path.removeprefix("/api/v1/"))
     for path, methods in bare_app().openapi()["paths"].items()
@@ -22,6 +25,19 @@ ROUTES = [
 BODIES: dict[tuple[str, str], Json] = {
     ("PATCH", "experiments/{experiment_id}"): {"json": {"experiment": EXPERIMENT}},
     ("POST", "experiments/{experiment_id}/runs"): {"json": {"parameters": PARAMETERS}},
+    ("POST", "experiments/{experiment_id}/uploads/plan"): {"json": {"files": [{"name": "a.tif", "size_bytes": 9}]}},
+    ("POST", "experiments/{experiment_id}/uploads"): {
+        "headers": {"Tus-Resumable": "1.0.0", "Upload-Length": "9", "Upload-Metadata": "filename YS50aWY="}
+    },
+    ("PATCH", "experiments/{experiment_id}/uploads/{upload_id}"): {
+        "headers": {
+            "Tus-Resumable": "1.0.0",
+            "Upload-Offset": "0",
+            "Content-Type": "application/offset+octet-stream",
+        },
+        "content": b"II*\0",
+    },
+    ("HEAD", "experiments/{experiment_id}/uploads/{upload_id}"): {"headers": {"Tus-Resumable": "1.0.0"}},
     ("PUT", "experiments/{experiment_id}/files"): {"params": {"name": "a.tif"}, "content": b"II*\0" + bytes(600)},
 }
 
@@ -30,6 +46,14 @@ BODIES: dict[tuple[str, str], Json] = {
 def finished(shared_house: House) -> Json:
     run = shared_house.start(shared_house.ready())
     shared_house.work()
+    with shared_house.context.sessions.begin() as session:
+        files = [{"role": "frames", "name": "a.tif", "size_bytes": 9, "sha256": None}]
+        about = {"store_key": "experiments/gone", "expires_at": func.now(), "finished_at": func.now()}
+        session.add(
+            UploadRow(
+                id=UPLOAD_ID, experiment_id=UUID(run["experiment_id"]), files=files, n_files=1, size_bytes=9, **about
+            )
+        )
     return shared_house.again(run)
 
 
@@ -48,7 +72,9 @@ def foreigner(shared_house: House) -> Iterator[None]:
 
 
 def _ask(house: House, method: str, path: str, run: Json) -> httpx.Response:
-    address = path.format(experiment_id=run["experiment_id"], run_id=run["id"], frame=0, name=_name(path))
+    address = path.format(
+        experiment_id=run["experiment_id"], run_id=run["id"], upload_id=UPLOAD_ID, frame=0, name=_name(path)
+    )
     return house.api.request(method, address, **BODIES.get((method, path), {}))
 
 
@@ -62,6 +88,8 @@ def test_a_foreigner_finds_nothing(
 ) -> None:
     answer = _ask(shared_house, method, path, finished)
     assert answer.status_code == 404, answer.text
+    if method == "HEAD":
+        return  # the answer has no body
     assert answer.json()["code"] in {"not_found.experiment", "not_found.run"}
 
 
