@@ -2,7 +2,7 @@
 
 import type { Client, Options as Options2, TDataShape } from './client';
 import { client } from './client.gen';
-import type { DropletsGetData, DropletsGetErrors, DropletsGetResponses, ExperimentsCreateData, ExperimentsCreateErrors, ExperimentsCreateResponses, ExperimentsDeleteData, ExperimentsDeleteErrors, ExperimentsDeleteResponses, ExperimentsEventsData, ExperimentsEventsErrors, ExperimentsEventsResponses, ExperimentsGetData, ExperimentsGetErrors, ExperimentsGetResponses, ExperimentsListData, ExperimentsListErrors, ExperimentsListResponses, ExperimentsUpdateData, ExperimentsUpdateErrors, ExperimentsUpdateResponses, FiguresGetData, FiguresGetErrors, FiguresGetResponses, FilesListData, FilesListErrors, FilesListResponses, FilesUploadData, FilesUploadErrors, FilesUploadResponses, FlowGetData, FlowGetErrors, FlowGetResponses, FramesPictureData, FramesPictureErrors, FramesPictureResponses, HealthGetData, HealthGetErrors, HealthGetResponses, ResultFilesDownloadData, ResultFilesDownloadErrors, ResultFilesDownloadResponses, ResultFilesListData, ResultFilesListErrors, ResultFilesListResponses, RunsCancelData, RunsCancelErrors, RunsCancelResponses, RunsCreateData, RunsCreateErrors, RunsCreateResponses, RunsDeleteData, RunsDeleteErrors, RunsDeleteResponses, RunsEventsData, RunsEventsErrors, RunsEventsResponses, RunsGetData, RunsGetErrors, RunsGetResponses, RunsListAllData, RunsListAllErrors, RunsListAllResponses, RunsListData, RunsListErrors, RunsListResponses, RunsRetryData, RunsRetryErrors, RunsRetryResponses, SchemasGetExperimentData, SchemasGetExperimentErrors, SchemasGetExperimentResponses, SchemasGetParametersData, SchemasGetParametersErrors, SchemasGetParametersResponses, StackCompleteData, StackCompleteErrors, StackCompleteResponses, StackDeleteData, StackDeleteErrors, StackDeleteResponses, TailsGetData, TailsGetErrors, TailsGetResponses, TrajectoriesGetData, TrajectoriesGetErrors, TrajectoriesGetResponses } from './types.gen';
+import type { DropletsGetData, DropletsGetErrors, DropletsGetResponses, ExperimentsCreateData, ExperimentsCreateErrors, ExperimentsCreateResponses, ExperimentsDeleteData, ExperimentsDeleteErrors, ExperimentsDeleteResponses, ExperimentsEventsData, ExperimentsEventsErrors, ExperimentsEventsResponses, ExperimentsGetData, ExperimentsGetErrors, ExperimentsGetResponses, ExperimentsListData, ExperimentsListErrors, ExperimentsListResponses, ExperimentsUpdateData, ExperimentsUpdateErrors, ExperimentsUpdateResponses, FiguresGetData, FiguresGetErrors, FiguresGetResponses, FilesListData, FilesListErrors, FilesListResponses, FilesUploadData, FilesUploadErrors, FilesUploadResponses, FlowGetData, FlowGetErrors, FlowGetResponses, FramesPictureData, FramesPictureErrors, FramesPictureResponses, HealthGetData, HealthGetErrors, HealthGetResponses, ResultFilesDownloadData, ResultFilesDownloadErrors, ResultFilesDownloadResponses, ResultFilesListData, ResultFilesListErrors, ResultFilesListResponses, RunsCancelData, RunsCancelErrors, RunsCancelResponses, RunsCreateData, RunsCreateErrors, RunsCreateResponses, RunsDeleteData, RunsDeleteErrors, RunsDeleteResponses, RunsEventsData, RunsEventsErrors, RunsEventsResponses, RunsGetData, RunsGetErrors, RunsGetResponses, RunsListAllData, RunsListAllErrors, RunsListAllResponses, RunsListData, RunsListErrors, RunsListResponses, RunsRetryData, RunsRetryErrors, RunsRetryResponses, SchemasGetExperimentData, SchemasGetExperimentErrors, SchemasGetExperimentResponses, SchemasGetParametersData, SchemasGetParametersErrors, SchemasGetParametersResponses, StackCompleteData, StackCompleteErrors, StackCompleteResponses, StackDeleteData, StackDeleteErrors, StackDeleteResponses, TailsGetData, TailsGetErrors, TailsGetResponses, TrajectoriesGetData, TrajectoriesGetErrors, TrajectoriesGetResponses, UploadsCreateData, UploadsCreateErrors, UploadsCreateResponses, UploadsGetData, UploadsGetErrors, UploadsGetResponses, UploadsListData, UploadsListErrors, UploadsListResponses, UploadsOffsetData, UploadsOffsetErrors, UploadsOffsetResponses, UploadsPlanData, UploadsPlanErrors, UploadsPlanResponses, UploadsSendData, UploadsSendErrors, UploadsSendResponses, UploadsTerminateData, UploadsTerminateErrors, UploadsTerminateResponses } from './types.gen';
 
 export type Options<TData extends TDataShape = TDataShape, ThrowOnError extends boolean = boolean, TResponse = unknown> = Options2<TData, ThrowOnError, TResponse> & {
     /**
@@ -137,6 +137,78 @@ export const stackDelete = <ThrowOnError extends boolean = true>(options: Option
  * Say that all files are there. Every frame is read; the stack becomes `ready` or `rejected` with the problem.
  */
 export const stackComplete = <ThrowOnError extends boolean = true>(options: Options<StackCompleteData, ThrowOnError>) => (options.client ?? client).post<StackCompleteResponses, StackCompleteErrors, ThrowOnError>({ url: '/api/v1/experiments/{experiment_id}/stack', ...options });
+
+/**
+ * Uploads List
+ *
+ * What was announced and has not arrived.
+ */
+export const uploadsList = <ThrowOnError extends boolean = true>(options: Options<UploadsListData, ThrowOnError>) => (options.client ?? client).get<UploadsListResponses, UploadsListErrors, ThrowOnError>({ url: '/api/v1/experiments/{experiment_id}/uploads', ...options });
+
+/**
+ * Uploads Create
+ *
+ * Begin an upload of one file, as tus clients do (`Upload-Length`, `Upload-Metadata`), perhaps with its bytes.
+ */
+export const uploadsCreate = <ThrowOnError extends boolean = true>(options: Options<UploadsCreateData, ThrowOnError>) => (options.client ?? client).post<UploadsCreateResponses, UploadsCreateErrors, ThrowOnError>({
+    bodySerializer: null,
+    url: '/api/v1/experiments/{experiment_id}/uploads',
+    ...options,
+    headers: {
+        'Content-Type': 'application/offset+octet-stream',
+        ...options.headers
+    }
+});
+
+/**
+ * Uploads Plan
+ *
+ * Say which files should be here: the answer is what is to be sent. Asked again, it says what is left to send.
+ */
+export const uploadsPlan = <ThrowOnError extends boolean = true>(options: Options<UploadsPlanData, ThrowOnError>) => (options.client ?? client).post<UploadsPlanResponses, UploadsPlanErrors, ThrowOnError>({
+    url: '/api/v1/experiments/{experiment_id}/uploads/plan',
+    ...options,
+    headers: {
+        'Content-Type': 'application/json',
+        ...options.headers
+    }
+});
+
+/**
+ * Uploads Terminate
+ *
+ * Give up an upload: what of it arrived is removed. Files that are complete stay.
+ */
+export const uploadsTerminate = <ThrowOnError extends boolean = true>(options: Options<UploadsTerminateData, ThrowOnError>) => (options.client ?? client).delete<UploadsTerminateResponses, UploadsTerminateErrors, ThrowOnError>({ url: '/api/v1/experiments/{experiment_id}/uploads/{upload_id}', ...options });
+
+/**
+ * Uploads Get
+ *
+ * Look at one upload.
+ */
+export const uploadsGet = <ThrowOnError extends boolean = true>(options: Options<UploadsGetData, ThrowOnError>) => (options.client ?? client).get<UploadsGetResponses, UploadsGetErrors, ThrowOnError>({ url: '/api/v1/experiments/{experiment_id}/uploads/{upload_id}', ...options });
+
+/**
+ * Uploads Offset
+ *
+ * Ask how much of an upload is here: `Upload-Offset` of `Upload-Length` bytes.
+ */
+export const uploadsOffset = <ThrowOnError extends boolean = true>(options: Options<UploadsOffsetData, ThrowOnError>) => (options.client ?? client).head<UploadsOffsetResponses, UploadsOffsetErrors, ThrowOnError>({ url: '/api/v1/experiments/{experiment_id}/uploads/{upload_id}', ...options });
+
+/**
+ * Uploads Send
+ *
+ * Send bytes from `Upload-Offset` on. What came before a cut connection stays.
+ */
+export const uploadsSend = <ThrowOnError extends boolean = true>(options: Options<UploadsSendData, ThrowOnError>) => (options.client ?? client).patch<UploadsSendResponses, UploadsSendErrors, ThrowOnError>({
+    bodySerializer: null,
+    url: '/api/v1/experiments/{experiment_id}/uploads/{upload_id}',
+    ...options,
+    headers: {
+        'Content-Type': 'application/offset+octet-stream',
+        ...options.headers
+    }
+});
 
 /**
  * Health Get

@@ -5,6 +5,27 @@ export type ClientOptions = {
 };
 
 /**
+ * Announced
+ *
+ * A file that somebody wants to send.
+ */
+export type Announced = {
+    /**
+     * Name
+     */
+    name: string;
+    role?: Role;
+    /**
+     * Sha256
+     */
+    sha256?: string | null;
+    /**
+     * Size Bytes
+     */
+    size_bytes: number;
+};
+
+/**
  * ChangeExperiment
  *
  * The whole new document.
@@ -300,6 +321,18 @@ export type NewExperiment = {
 };
 
 /**
+ * NewPlan
+ *
+ * The files that somebody wants to be here.
+ */
+export type NewPlan = {
+    /**
+     * Files
+     */
+    files: Array<Announced>;
+};
+
+/**
  * NewRun
  *
  * What a new run needs.
@@ -319,6 +352,66 @@ export type NewRun = {
  * How a picture is packed: JPEG is made a hundred times quicker, WebP is smaller.
  */
 export type PictureKind = 'jpg' | 'webp';
+
+/**
+ * Plan
+ *
+ * What is to be sent, and what need not.
+ */
+export type Plan = {
+    /**
+     * Present
+     */
+    present: Array<Present>;
+    /**
+     * Uploads
+     */
+    uploads: Array<PlannedUpload>;
+};
+
+/**
+ * PlannedUpload
+ *
+ * Bytes to be sent in one go: those of its files, one after the other, from `offset_bytes` on.
+ */
+export type PlannedUpload = {
+    /**
+     * Files
+     */
+    files: Array<number>;
+    /**
+     * Id
+     */
+    id: string;
+    /**
+     * Location
+     */
+    location: string;
+    /**
+     * Offset Bytes
+     */
+    offset_bytes: number;
+    /**
+     * Size Bytes
+     */
+    size_bytes: number;
+};
+
+/**
+ * Present
+ *
+ * A file that is here already.
+ */
+export type Present = {
+    /**
+     * File
+     */
+    file: number;
+    /**
+     * Sha256
+     */
+    sha256: string;
+};
 
 /**
  * Problem
@@ -732,6 +825,67 @@ export type Trajectory = {
      * Y Px
      */
     y_px: Array<number>;
+};
+
+/**
+ * Upload
+ *
+ * One upload on its way.
+ */
+export type Upload = {
+    /**
+     * Expires At
+     */
+    expires_at: string;
+    /**
+     * First Name
+     */
+    first_name: string;
+    /**
+     * Id
+     */
+    id: string;
+    /**
+     * N Files
+     */
+    n_files: number;
+    /**
+     * Offset Bytes
+     */
+    offset_bytes: number;
+    problem: Problem | null;
+    /**
+     * Size Bytes
+     */
+    size_bytes: number;
+    state: UploadState;
+};
+
+/**
+ * UploadState
+ *
+ * Whether an upload can still be sent.
+ */
+export type UploadState = 'open' | 'refused' | 'finished';
+
+/**
+ * Uploads
+ *
+ * What was announced and has not arrived.
+ */
+export type Uploads = {
+    /**
+     * Items
+     */
+    items: Array<Upload>;
+    /**
+     * N Bytes Missing
+     */
+    n_bytes_missing: number;
+    /**
+     * N Files Missing
+     */
+    n_files_missing: number;
 };
 
 /**
@@ -1212,6 +1366,10 @@ export type FilesUploadErrors = {
      */
     422: Problem;
     /**
+     * Service Unavailable
+     */
+    503: Problem;
+    /**
      * Insufficient Storage
      */
     507: Problem;
@@ -1491,7 +1649,14 @@ export type StackCompleteData = {
          */
         experiment_id: string;
     };
-    query?: never;
+    query?: {
+        /**
+         * Missing
+         *
+         * What to do if announced files have not arrived.
+         */
+        missing?: 'refuse' | 'leave_out';
+    };
     url: '/api/v1/experiments/{experiment_id}/stack';
 };
 
@@ -1528,6 +1693,410 @@ export type StackCompleteResponses = {
 };
 
 export type StackCompleteResponse = StackCompleteResponses[keyof StackCompleteResponses];
+
+export type UploadsListData = {
+    body?: never;
+    path: {
+        /**
+         * Experiment Id
+         */
+        experiment_id: string;
+    };
+    query?: never;
+    url: '/api/v1/experiments/{experiment_id}/uploads';
+};
+
+export type UploadsListErrors = {
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type UploadsListError = UploadsListErrors[keyof UploadsListErrors];
+
+export type UploadsListResponses = {
+    /**
+     * Successful Response
+     */
+    200: Uploads;
+};
+
+export type UploadsListResponse = UploadsListResponses[keyof UploadsListResponses];
+
+export type UploadsCreateData = {
+    /**
+     * The bytes from `Upload-Offset` on.
+     */
+    body?: Blob | File;
+    path: {
+        /**
+         * Experiment Id
+         */
+        experiment_id: string;
+    };
+    query?: never;
+    url: '/api/v1/experiments/{experiment_id}/uploads';
+};
+
+export type UploadsCreateErrors = {
+    /**
+     * Bad Request
+     */
+    400: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Conflict
+     */
+    409: Problem;
+    /**
+     * Precondition Failed
+     */
+    412: Problem;
+    /**
+     * Request Entity Too Large
+     */
+    413: Problem;
+    /**
+     * Unsupported Media Type
+     */
+    415: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Locked
+     */
+    423: Problem;
+    /**
+     * Checksum Mismatch
+     */
+    460: Problem;
+    /**
+     * Service Unavailable
+     */
+    503: Problem;
+    /**
+     * Insufficient Storage
+     */
+    507: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type UploadsCreateError = UploadsCreateErrors[keyof UploadsCreateErrors];
+
+export type UploadsCreateResponses = {
+    /**
+     * Successful Response
+     */
+    201: unknown;
+};
+
+export type UploadsPlanData = {
+    body: NewPlan;
+    path: {
+        /**
+         * Experiment Id
+         */
+        experiment_id: string;
+    };
+    query?: never;
+    url: '/api/v1/experiments/{experiment_id}/uploads/plan';
+};
+
+export type UploadsPlanErrors = {
+    /**
+     * Bad Request
+     */
+    400: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Conflict
+     */
+    409: Problem;
+    /**
+     * Request Entity Too Large
+     */
+    413: Problem;
+    /**
+     * Unsupported Media Type
+     */
+    415: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Insufficient Storage
+     */
+    507: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type UploadsPlanError = UploadsPlanErrors[keyof UploadsPlanErrors];
+
+export type UploadsPlanResponses = {
+    /**
+     * Successful Response
+     */
+    200: Plan;
+};
+
+export type UploadsPlanResponse = UploadsPlanResponses[keyof UploadsPlanResponses];
+
+export type UploadsTerminateData = {
+    body?: never;
+    path: {
+        /**
+         * Experiment Id
+         */
+        experiment_id: string;
+        /**
+         * Upload Id
+         */
+        upload_id: string;
+    };
+    query?: never;
+    url: '/api/v1/experiments/{experiment_id}/uploads/{upload_id}';
+};
+
+export type UploadsTerminateErrors = {
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type UploadsTerminateError = UploadsTerminateErrors[keyof UploadsTerminateErrors];
+
+export type UploadsTerminateResponses = {
+    /**
+     * Successful Response
+     */
+    204: void;
+};
+
+export type UploadsTerminateResponse = UploadsTerminateResponses[keyof UploadsTerminateResponses];
+
+export type UploadsGetData = {
+    body?: never;
+    path: {
+        /**
+         * Experiment Id
+         */
+        experiment_id: string;
+        /**
+         * Upload Id
+         */
+        upload_id: string;
+    };
+    query?: never;
+    url: '/api/v1/experiments/{experiment_id}/uploads/{upload_id}';
+};
+
+export type UploadsGetErrors = {
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type UploadsGetError = UploadsGetErrors[keyof UploadsGetErrors];
+
+export type UploadsGetResponses = {
+    /**
+     * Successful Response
+     */
+    200: Upload;
+};
+
+export type UploadsGetResponse = UploadsGetResponses[keyof UploadsGetResponses];
+
+export type UploadsOffsetData = {
+    body?: never;
+    path: {
+        /**
+         * Experiment Id
+         */
+        experiment_id: string;
+        /**
+         * Upload Id
+         */
+        upload_id: string;
+    };
+    query?: never;
+    url: '/api/v1/experiments/{experiment_id}/uploads/{upload_id}';
+};
+
+export type UploadsOffsetErrors = {
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type UploadsOffsetError = UploadsOffsetErrors[keyof UploadsOffsetErrors];
+
+export type UploadsOffsetResponses = {
+    /**
+     * Successful Response
+     */
+    200: unknown;
+};
+
+export type UploadsSendData = {
+    /**
+     * The bytes from `Upload-Offset` on.
+     */
+    body: Blob | File;
+    path: {
+        /**
+         * Experiment Id
+         */
+        experiment_id: string;
+        /**
+         * Upload Id
+         */
+        upload_id: string;
+    };
+    query?: never;
+    url: '/api/v1/experiments/{experiment_id}/uploads/{upload_id}';
+};
+
+export type UploadsSendErrors = {
+    /**
+     * Bad Request
+     */
+    400: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Conflict
+     */
+    409: Problem;
+    /**
+     * Precondition Failed
+     */
+    412: Problem;
+    /**
+     * Request Entity Too Large
+     */
+    413: Problem;
+    /**
+     * Unsupported Media Type
+     */
+    415: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Locked
+     */
+    423: Problem;
+    /**
+     * Checksum Mismatch
+     */
+    460: Problem;
+    /**
+     * Service Unavailable
+     */
+    503: Problem;
+    /**
+     * Insufficient Storage
+     */
+    507: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type UploadsSendError = UploadsSendErrors[keyof UploadsSendErrors];
+
+export type UploadsSendResponses = {
+    /**
+     * Successful Response
+     */
+    204: void;
+};
+
+export type UploadsSendResponse = UploadsSendResponses[keyof UploadsSendResponses];
 
 export type HealthGetData = {
     body?: never;

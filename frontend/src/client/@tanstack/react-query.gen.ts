@@ -3,8 +3,8 @@
 import { type InfiniteData, infiniteQueryOptions, queryOptions, type UseMutationOptions } from '@tanstack/react-query';
 
 import { client } from '../client.gen';
-import { dropletsGet, experimentsCreate, experimentsDelete, experimentsGet, experimentsList, experimentsUpdate, figuresGet, filesList, filesUpload, flowGet, framesPicture, healthGet, type Options, resultFilesDownload, resultFilesList, runsCancel, runsCreate, runsDelete, runsGet, runsList, runsListAll, runsRetry, schemasGetExperiment, schemasGetParameters, stackComplete, stackDelete, tailsGet, trajectoriesGet } from '../sdk.gen';
-import type { DropletsGetData, DropletsGetError, DropletsGetResponse, ExperimentsCreateData, ExperimentsCreateError, ExperimentsCreateResponse, ExperimentsDeleteData, ExperimentsDeleteError, ExperimentsDeleteResponse, ExperimentsGetData, ExperimentsGetError, ExperimentsGetResponse, ExperimentsListData, ExperimentsListError, ExperimentsListResponse, ExperimentsUpdateData, ExperimentsUpdateError, ExperimentsUpdateResponse, FiguresGetData, FiguresGetError, FiguresGetResponse, FilesListData, FilesListError, FilesListResponse, FilesUploadData, FilesUploadError, FilesUploadResponse, FlowGetData, FlowGetError, FlowGetResponse, FramesPictureData, FramesPictureError, HealthGetData, HealthGetError, HealthGetResponse, ResultFilesDownloadData, ResultFilesDownloadError, ResultFilesDownloadResponse, ResultFilesListData, ResultFilesListError, ResultFilesListResponse, RunsCancelData, RunsCancelError, RunsCancelResponse, RunsCreateData, RunsCreateError, RunsCreateResponse, RunsDeleteData, RunsDeleteError, RunsDeleteResponse, RunsGetData, RunsGetError, RunsGetResponse, RunsListAllData, RunsListAllError, RunsListAllResponse, RunsListData, RunsListError, RunsListResponse, RunsRetryData, RunsRetryError, RunsRetryResponse, SchemasGetExperimentData, SchemasGetExperimentError, SchemasGetExperimentResponse, SchemasGetParametersData, SchemasGetParametersError, SchemasGetParametersResponse, StackCompleteData, StackCompleteError, StackCompleteResponse, StackDeleteData, StackDeleteError, StackDeleteResponse, TailsGetData, TailsGetError, TailsGetResponse, TrajectoriesGetData, TrajectoriesGetError, TrajectoriesGetResponse } from '../types.gen';
+import { dropletsGet, experimentsCreate, experimentsDelete, experimentsGet, experimentsList, experimentsUpdate, figuresGet, filesList, filesUpload, flowGet, framesPicture, healthGet, type Options, resultFilesDownload, resultFilesList, runsCancel, runsCreate, runsDelete, runsGet, runsList, runsListAll, runsRetry, schemasGetExperiment, schemasGetParameters, stackComplete, stackDelete, tailsGet, trajectoriesGet, uploadsCreate, uploadsGet, uploadsList, uploadsPlan, uploadsSend, uploadsTerminate } from '../sdk.gen';
+import type { DropletsGetData, DropletsGetError, DropletsGetResponse, ExperimentsCreateData, ExperimentsCreateError, ExperimentsCreateResponse, ExperimentsDeleteData, ExperimentsDeleteError, ExperimentsDeleteResponse, ExperimentsGetData, ExperimentsGetError, ExperimentsGetResponse, ExperimentsListData, ExperimentsListError, ExperimentsListResponse, ExperimentsUpdateData, ExperimentsUpdateError, ExperimentsUpdateResponse, FiguresGetData, FiguresGetError, FiguresGetResponse, FilesListData, FilesListError, FilesListResponse, FilesUploadData, FilesUploadError, FilesUploadResponse, FlowGetData, FlowGetError, FlowGetResponse, FramesPictureData, FramesPictureError, HealthGetData, HealthGetError, HealthGetResponse, ResultFilesDownloadData, ResultFilesDownloadError, ResultFilesDownloadResponse, ResultFilesListData, ResultFilesListError, ResultFilesListResponse, RunsCancelData, RunsCancelError, RunsCancelResponse, RunsCreateData, RunsCreateError, RunsCreateResponse, RunsDeleteData, RunsDeleteError, RunsDeleteResponse, RunsGetData, RunsGetError, RunsGetResponse, RunsListAllData, RunsListAllError, RunsListAllResponse, RunsListData, RunsListError, RunsListResponse, RunsRetryData, RunsRetryError, RunsRetryResponse, SchemasGetExperimentData, SchemasGetExperimentError, SchemasGetExperimentResponse, SchemasGetParametersData, SchemasGetParametersError, SchemasGetParametersResponse, StackCompleteData, StackCompleteError, StackCompleteResponse, StackDeleteData, StackDeleteError, StackDeleteResponse, TailsGetData, TailsGetError, TailsGetResponse, TrajectoriesGetData, TrajectoriesGetError, TrajectoriesGetResponse, UploadsCreateData, UploadsCreateError, UploadsGetData, UploadsGetError, UploadsGetResponse, UploadsListData, UploadsListError, UploadsListResponse, UploadsPlanData, UploadsPlanError, UploadsPlanResponse, UploadsSendData, UploadsSendError, UploadsSendResponse, UploadsTerminateData, UploadsTerminateError, UploadsTerminateResponse } from '../types.gen';
 
 export type QueryKey<TOptions extends Options> = [
     Pick<TOptions, 'baseUrl' | 'body' | 'headers' | 'path' | 'query'> & {
@@ -378,6 +378,122 @@ export const stackCompleteMutation = (options?: Partial<Options<StackCompleteDat
     const mutationOptions: UseMutationOptions<StackCompleteResponse, StackCompleteError, Options<StackCompleteData>> = {
         mutationFn: async (fnOptions) => {
             const { data } = await stackComplete({
+                ...options,
+                ...fnOptions,
+                throwOnError: true
+            });
+            return data;
+        }
+    };
+    return mutationOptions;
+};
+
+export const uploadsListQueryKey = (options: Options<UploadsListData>) => createQueryKey('uploadsList', options);
+
+/**
+ * Uploads List
+ *
+ * What was announced and has not arrived.
+ */
+export const uploadsListOptions = (options: Options<UploadsListData>) => queryOptions<UploadsListResponse, UploadsListError, UploadsListResponse, ReturnType<typeof uploadsListQueryKey>>({
+    queryFn: async ({ queryKey, signal }) => {
+        const { data } = await uploadsList({
+            ...options,
+            ...queryKey[0],
+            signal,
+            throwOnError: true
+        });
+        return data;
+    },
+    queryKey: uploadsListQueryKey(options)
+});
+
+/**
+ * Uploads Create
+ *
+ * Begin an upload of one file, as tus clients do (`Upload-Length`, `Upload-Metadata`), perhaps with its bytes.
+ */
+export const uploadsCreateMutation = (options?: Partial<Options<UploadsCreateData>>): UseMutationOptions<unknown, UploadsCreateError, Options<UploadsCreateData>> => {
+    const mutationOptions: UseMutationOptions<unknown, UploadsCreateError, Options<UploadsCreateData>> = {
+        mutationFn: async (fnOptions) => {
+            const { data } = await uploadsCreate({
+                ...options,
+                ...fnOptions,
+                throwOnError: true
+            });
+            return data;
+        }
+    };
+    return mutationOptions;
+};
+
+/**
+ * Uploads Plan
+ *
+ * Say which files should be here: the answer is what is to be sent. Asked again, it says what is left to send.
+ */
+export const uploadsPlanMutation = (options?: Partial<Options<UploadsPlanData>>): UseMutationOptions<UploadsPlanResponse, UploadsPlanError, Options<UploadsPlanData>> => {
+    const mutationOptions: UseMutationOptions<UploadsPlanResponse, UploadsPlanError, Options<UploadsPlanData>> = {
+        mutationFn: async (fnOptions) => {
+            const { data } = await uploadsPlan({
+                ...options,
+                ...fnOptions,
+                throwOnError: true
+            });
+            return data;
+        }
+    };
+    return mutationOptions;
+};
+
+/**
+ * Uploads Terminate
+ *
+ * Give up an upload: what of it arrived is removed. Files that are complete stay.
+ */
+export const uploadsTerminateMutation = (options?: Partial<Options<UploadsTerminateData>>): UseMutationOptions<UploadsTerminateResponse, UploadsTerminateError, Options<UploadsTerminateData>> => {
+    const mutationOptions: UseMutationOptions<UploadsTerminateResponse, UploadsTerminateError, Options<UploadsTerminateData>> = {
+        mutationFn: async (fnOptions) => {
+            const { data } = await uploadsTerminate({
+                ...options,
+                ...fnOptions,
+                throwOnError: true
+            });
+            return data;
+        }
+    };
+    return mutationOptions;
+};
+
+export const uploadsGetQueryKey = (options: Options<UploadsGetData>) => createQueryKey('uploadsGet', options);
+
+/**
+ * Uploads Get
+ *
+ * Look at one upload.
+ */
+export const uploadsGetOptions = (options: Options<UploadsGetData>) => queryOptions<UploadsGetResponse, UploadsGetError, UploadsGetResponse, ReturnType<typeof uploadsGetQueryKey>>({
+    queryFn: async ({ queryKey, signal }) => {
+        const { data } = await uploadsGet({
+            ...options,
+            ...queryKey[0],
+            signal,
+            throwOnError: true
+        });
+        return data;
+    },
+    queryKey: uploadsGetQueryKey(options)
+});
+
+/**
+ * Uploads Send
+ *
+ * Send bytes from `Upload-Offset` on. What came before a cut connection stays.
+ */
+export const uploadsSendMutation = (options?: Partial<Options<UploadsSendData>>): UseMutationOptions<UploadsSendResponse, UploadsSendError, Options<UploadsSendData>> => {
+    const mutationOptions: UseMutationOptions<UploadsSendResponse, UploadsSendError, Options<UploadsSendData>> = {
+        mutationFn: async (fnOptions) => {
+            const { data } = await uploadsSend({
                 ...options,
                 ...fnOptions,
                 throwOnError: true
