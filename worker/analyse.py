@@ -23,8 +23,8 @@ def work(context: Context, lease: Lease) -> None:
         tracked = prefixes(session, film.run_id, Task.TRACK)[0]
     with work_folder(context.settings.work_dir, claim) as folder:
         results = context.store.as_folder(tracked, folder)
-        lease.renew()
-        summary = pipeline.summary(results, film.index, film.experiment, film.parameters, film.measured)
+        with lease.kept():
+            summary = pipeline.summary(results, film.index, film.experiment, film.parameters, film.measured)
     content = (json.dumps(summary, indent=2, allow_nan=False) + "\n").encode()
     prefix = product_prefix(claim.experiment_id, claim.shard_id, claim.fence)
     context.store.put(prefix + SUMMARY_FILE, content)

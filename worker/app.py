@@ -14,6 +14,7 @@ from backend.platform.settings import environment_settings
 from worker.context import holders_of_this_worker, process_context
 from worker.outcomes import give_back_all
 from worker.shards import look_in
+from worker.watch import give_back_of_the_dead, start_watching
 from worker.work_folders import sweep
 
 settings = environment_settings()
@@ -32,6 +33,12 @@ def _set_up_logging(**_: Any) -> None:
     set_up_logging(settings.log_level)
 
 
+@signals.worker_ready.connect  # type: ignore[untyped-decorator]
+def _watch(**_: Any) -> None:
+    # Once the processes are there: threads do not go with a fork, but the locks that they hold would.
+    start_watching(process_context())
+
+
 @signals.worker_process_init.connect  # type: ignore[untyped-decorator]
 def _one_thread_each(**_: Any) -> None:
     # OpenCV's threads do not survive a fork, and workers share the cores by being many.
@@ -41,6 +48,7 @@ def _one_thread_each(**_: Any) -> None:
 @signals.worker_init.connect  # type: ignore[untyped-decorator]
 def _begin(**_: Any) -> None:
     sweep(process_context())
+    give_back_of_the_dead(process_context())
     # Celery announces only some of the ways in which it stops; every one of them passes the interpreter's end.
     atexit.register(_end, os.getpid())
 

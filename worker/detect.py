@@ -12,8 +12,10 @@ from dropflow import pipeline
 from dropflow.statistics.histograms import FrameHistograms, frame_histograms, radius_edges_um
 from worker.context import Context
 from worker.film import PreparedFilm, load_prepared
+from worker.keys import detection_key
 from worker.leases import Lease
 from worker.outcomes import NewProduct, publish
+from worker.speed import remember
 
 DROPLETS_FILE = "droplets.parquet"
 
@@ -36,7 +38,9 @@ def work(context: Context, lease: Lease) -> None:
         )
     prefix = product_prefix(claim.experiment_id, claim.shard_id, claim.fence)
     context.store.put(prefix + DROPLETS_FILE, _parquet(table))
-    publish(context, claim, NewProduct(prefix, sizes=pack(count(film, table, frames))))
+    detection = detection_key(film.index, film.experiment, film.parameters)
+    publish(context, claim, NewProduct(prefix, sizes=pack(count(film, table, frames)), film_key=detection))
+    remember(context, film.parameters, lease.pace, n_pixels=film.index.n_rows * film.index.n_columns)
 
 
 def count(film: PreparedFilm, table: pa.Table, frames: range) -> FrameHistograms:

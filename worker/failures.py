@@ -11,7 +11,7 @@ from backend.models.states import STACK_RULES, rule
 from backend.platform.events import announce, experiment_topic, run_topic
 from backend.platform.problems import Problem
 from worker.context import Context
-from worker.leases import MAX_ATTEMPTS, Claim
+from worker.leases import MAX_ATTEMPTS, MAX_ERRORS, Claim
 from worker.outcomes import end_shard, lock_experiment, lock_run
 
 _OURS = "run."
@@ -72,7 +72,7 @@ def _unexpected(error: Exception, claim: Claim) -> Problem:
         title="Internal Server Error",
         status=500,
         code="run.internal",
-        detail=f"An unexpected error ({type(error).__name__}) occurred {MAX_ATTEMPTS} times in {claim.task}{where}.",
+        detail=f"An unexpected error ({type(error).__name__}) occurred {MAX_ERRORS} times in {claim.task}{where}.",
         hint=f"Please report it with the lines of the service's log that name shard {claim.shard_id}. "
         "To try again goes on with what is done already.",
     )

@@ -98,6 +98,14 @@ def prefixes(session: Session, run_id: UUID, task: Task) -> list[str]:
     return list(session.scalars(query))
 
 
+def made_ranges(session: Session, experiment_id: UUID, detection: str) -> list[range]:
+    """The frames whose droplets earlier runs have found in the very same way."""
+    query = select(Product.start_frame, Product.stop_frame).where(
+        Product.experiment_id == experiment_id, Product.film_key == detection, Product.missing_frames == []
+    )
+    return [range(*found) for found in session.execute(query).all()]
+
+
 def uploaded_files(session: Session, experiment_id: UUID) -> dict[str, dict[str, Place]]:
     """Where each uploaded file is kept, by name, by role."""
     found: dict[str, dict[str, Place]] = {FRAMES_ROLE: {}}

@@ -28,17 +28,21 @@ def source_digest() -> str:
     return digest.hexdigest()
 
 
-def detect_key(index: StackIndex, experiment: Experiment, parameters: Parameters, frames: range) -> str:
-    """Of the droplets of a range of frames: what is only for tracking, or only for people, makes no difference."""
+def detection_key(index: StackIndex, experiment: Experiment, parameters: Parameters) -> str:
+    """Of the droplets of all frames: what is only for tracking, or only for people, makes no difference."""
     return content_key(
         source_digest(),
         "detect",
         index.sha256,
-        list(index.times_s[frames.start : frames.stop]),
+        list(index.times_s),
         experiment.model_dump(mode="json", exclude=_SAYS_NOTHING_OF_FRAMES),
         parameters.detection.model_dump(mode="json"),
-        [frames.start, frames.stop],
     )
+
+
+def range_key(detection: str, frames: range) -> str:
+    """Of the droplets of a range of frames."""
+    return content_key(detection, frames.start, frames.stop)
 
 
 def film_key(task: str, inputs: Sequence[str], experiment: Experiment, parameters: Parameters) -> str:

@@ -4,7 +4,10 @@ A claim is one UPDATE, which also raises the shard's fence; everything the holde
 whoever lost the lease can no longer change anything. Time is the database's, never a worker's clock.
 """
 
+import threading
 import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from datetime import timedelta
 from typing import Any
@@ -20,8 +23,16 @@ from backend.models.states import ACTIVE_RUN_STATES, SHARD_RULES, ShardState, ru
 from backend.platform.database import Sessions
 from backend.platform.events import announce, experiment_topic, run_topic
 from dropflow.errors import Cancelled
+from dropflow.tracking.film import FRAMES_PER_PART
+from worker.pace import Pace
 
-MAX_ATTEMPTS = 3
+MAX_ATTEMPTS = 8
+"""A shard whose holders fell silent so often in a row is what silences them. Machines are rebooted and processes
+killed for reasons that are no shard's, so fewer would end runs that are sound."""
+MAX_ERRORS = 3
+"""An error that nobody expected is not going to pass after so many."""
+_FRUITFUL_PARTS = 2
+"""Tracking that has saved its state so often since it was claimed gets somewhere, however often it is broken off."""
 _SHORTEST_RENEWAL_S = 0.5
 log = structlog.get_logger()
 
@@ -43,6 +54,7 @@ class Claim:
     input_key: str | None
     fence: int
     attempts: int
+    n_errors: int = 0
 
     @property
     def topics(self) -> tuple[str, ...]:
@@ -79,6 +91,7 @@ def claim(session: Session, which: UUID | ScalarSelect[UUID], *, holder: str, le
             Shard.input_key,
             Shard.fence,
             Shard.attempts,
+            Shard.n_errors,
         )
     ).one_or_none()
     return None if row is None else Claim(*row)
@@ -123,28 +136,62 @@ def release(session: Session, *conditions: ColumnElement[bool], values: dict[str
 class Lease:
     """Keeps a claim alive while work goes on: a `dropflow.progress.Progress` that the stages call after each frame."""
 
-    def __init__(self, sessions: Sessions, claim: Claim, *, lease_s: float) -> None:
+    def __init__(
+        self, sessions: Sessions, claim: Claim, *, lease_s: float, beat: Callable[[], None] = lambda: None
+    ) -> None:
         self.claim = claim
-        self._sessions, self._lease_s = sessions, lease_s
+        self._sessions, self._lease_s, self._beat = sessions, lease_s, beat
         self._renewed = time.monotonic()
         self._n_frames = claim.stop_frame - claim.start_frame
+        self._begun_at: int | None = None
+        self.pace = Pace(time.monotonic())
+        """Of the frames so far."""
 
-    def __call__(self, stage: str, done: int, total: int) -> None:  # noqa: ARG002 - the contract's
+    def __call__(self, stage: str, done: int, total: int) -> None:
         """Note progress, renew in time, and raise `Cancelled` or `LeaseLost` if the work is not wanted."""
-        is_last = done >= total
-        if is_last or time.monotonic() - self._renewed > min(_SHORTEST_RENEWAL_S, self._lease_s / 4):
-            self.renew(done_frames=(self._n_frames or total) * done // max(total, 1))
+        n_done = (self._n_frames or total) * done / max(total, 1)
+        is_first, is_last = self._begun_at is None, done >= total
+        self._begun_at = done if self._begun_at is None else self._begun_at
+        is_due = is_last or time.monotonic() - self._renewed > min(_SHORTEST_RENEWAL_S, self._lease_s / 4)
+        if is_first or is_due:
+            self.pace.mark(n_done, time.monotonic(), is_last=is_last)
+        if is_due:
+            is_fruitful = stage == "track" and done - self._begun_at > _FRUITFUL_PARTS * FRAMES_PER_PART
+            self.renew(done_frames=int(n_done), is_fruitful=is_fruitful)
 
     def alive(self, stage: str, done: int, total: int) -> None:  # noqa: ARG002 - the contract's
         """The same for work whose progress is not in frames."""
         if time.monotonic() - self._renewed > self._lease_s / 4:
             self.renew()
 
-    def renew(self, done_frames: int | None = None) -> None:
+    @contextmanager
+    def kept(self, longest_s: float = 1800.0) -> Iterator[None]:
+        """Renew beside work that cannot say how far it is, for so long at most: what takes longer hangs."""
+        is_done = threading.Event()
+
+        def keep() -> None:
+            until = time.monotonic() + longest_s
+            while time.monotonic() < until and not is_done.wait(self._lease_s / 4):
+                try:
+                    self.renew()
+                except (LeaseLost, Cancelled):
+                    return  # whoever does the work hears of it when that is done
+
+        keeper = threading.Thread(target=keep, name="lease", daemon=True)
+        keeper.start()
+        try:
+            yield
+        finally:
+            is_done.set()
+            keeper.join()
+        self.renew()
+
+    def renew(self, done_frames: int | None = None, *, is_fruitful: bool = False) -> None:
         """Tell that we live, and hear whether we shall stop, in one statement."""
+        self._beat()
         try:
             with self._sessions.begin() as session:
-                is_cancelled = self._renew(session, done_frames)
+                is_cancelled = self._renew(session, done_frames, is_fruitful=is_fruitful)
         except OperationalError as problem:
             # Postgres may be starting again. Our claim holds as long as nobody could take it.
             log.warning("lease not renewed", shard=str(self.claim.shard_id), reason=str(problem).splitlines()[0])
@@ -155,10 +202,17 @@ class Lease:
         if is_cancelled:
             raise Cancelled("The run was cancelled.")
 
-    def _renew(self, session: Session, done_frames: int | None) -> bool:
+    def _renew(self, session: Session, done_frames: int | None, *, is_fruitful: bool) -> bool:
         values: dict[str, Any] = {"lease_until": _in(self._lease_s)}
         if done_frames is not None:
-            values["done_frames"] = done_frames
+            values |= {
+                "done_frames": done_frames,
+                "n_paces": self.pace.n_samples,
+                "seconds_per_frame": self.pace.mean_s,
+                "seconds_per_frame_std": self.pace.std_s,
+            }
+        if is_fruitful:
+            values["attempts"] = 1
         is_cancelled = (
             select(Run.cancel_requested_at.is_not(None))
             .where(Run.id == Shard.run_id)

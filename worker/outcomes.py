@@ -33,6 +33,8 @@ class NewProduct:
     flow: bytes | None = None
     """Packed `FlowMoments`."""
     summary: dict[str, Any] | None = None
+    film_key: str | None = None
+    """What it has in common with other ranges of the same film."""
 
 
 def begin(context: Context, claim: Claim) -> None:
@@ -55,6 +57,9 @@ def publish(context: Context, claim: Claim, product: NewProduct, follow: Sequenc
             experiment_id=claim.experiment_id,
             task=claim.task,
             input_key=claim.input_key or str(claim.shard_id),
+            film_key=product.film_key,
+            start_frame=claim.start_frame,
+            stop_frame=claim.stop_frame,
             prefix=product.prefix,
             files=product.files,
             summary=product.summary,
@@ -84,9 +89,15 @@ def let_go(context: Context, claim: Claim) -> None:
 
 
 def give_back(context: Context, claim: Claim) -> None:
-    """A passing fault: somebody tries again, when the reconciler next asks."""
+    """Something that the work needs was away: somebody goes on, when the reconciler next asks."""
     with context.sessions.begin() as session:
-        release(session, *held(claim), values={"sent_at": func.now()})
+        release(session, *held(claim), values={"sent_at": None})
+
+
+def give_back_after_error(context: Context, claim: Claim) -> None:
+    """The work met an error that may pass: somebody tries again after a pause."""
+    with context.sessions.begin() as session:
+        release(session, *held(claim), values={"sent_at": func.now(), "n_errors": Shard.n_errors + 1})
 
 
 def give_back_all(context: Context, holders: str) -> int:

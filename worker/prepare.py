@@ -9,11 +9,12 @@ from dropflow.frames import Frame, open_frames
 from dropflow.preprocess import StackEstimate
 from worker.context import Context
 from worker.fan_in import NewShard
-from worker.film import ESTIMATE_FILE, INDEX_FILE, Film, load_film
-from worker.keys import detect_key
+from worker.film import ESTIMATE_FILE, INDEX_FILE, Film, load_film, made_ranges
+from worker.keys import detection_key, range_key
 from worker.leases import Lease
 from worker.outcomes import NewProduct, publish
 from worker.plan import Task, detect_ranges
+from worker.speed import known_seconds_per_megapixel
 
 
 def work(context: Context, lease: Lease) -> None:
@@ -21,14 +22,18 @@ def work(context: Context, lease: Lease) -> None:
     claim = lease.claim
     film, uploaded = load_film(context, claim)
     index = uploaded.timed(film.experiment)  # the interval may have been corrected since the upload
-    measured = _measure(context, film)
-    lease.renew()
+    with lease.kept():
+        measured = _measure(context, film)
     prefix = product_prefix(claim.experiment_id, claim.shard_id, claim.fence)
     context.store.put(prefix + INDEX_FILE, index.model_dump_json().encode())
     context.store.put(prefix + ESTIMATE_FILE, _packed(measured))
+    detection = detection_key(index, film.experiment, film.parameters)
+    with context.sessions.begin() as session:
+        seconds = known_seconds_per_megapixel(session, film.parameters) * index.n_rows * index.n_columns / 1e6
+        done = made_ranges(session, claim.experiment_id, detection)
     shards = [
-        NewShard(Task.DETECT, frames, detect_key(index, film.experiment, film.parameters, frames))
-        for frames in detect_ranges(index.n_frames, index.shape)
+        NewShard(Task.DETECT, frames, range_key(detection, frames))
+        for frames in detect_ranges(index.n_frames, seconds, done)
     ]
     publish(context, claim, NewProduct(prefix), shards)
 

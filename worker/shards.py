@@ -1,10 +1,12 @@
 """Looking at a shard: claim it, do it, and end it one way or another."""
 
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from uuid import UUID
 
 import structlog
 from sqlalchemy import ScalarSelect
+from sqlalchemy.exc import OperationalError
 
 from backend.platform.object_store import product_prefix
 from backend.platform.problems import problem_of
@@ -13,7 +15,8 @@ from dropflow.errors import Cancelled, DropflowError
 from worker import analyse, detect, ingest, outcomes, prepare, track
 from worker.context import Context
 from worker.failures import cause_of, fail
-from worker.leases import MAX_ATTEMPTS, Claim, Lease, LeaseLost, claim
+from worker.heartbeat import at_work
+from worker.leases import MAX_ERRORS, Claim, Lease, LeaseLost, claim
 from worker.outcomes import is_published
 from worker.plan import Task
 from worker.turns import whose_turn
@@ -52,7 +55,9 @@ def look_at(context: Context, which: UUID | ScalarSelect[UUID]) -> None:
 def _do(context: Context, taken: Claim) -> None:
     outcomes.begin(context, taken)
     try:
-        WORK[Task(taken.task)](context, Lease(context.sessions, taken, lease_s=context.settings.lease_s))
+        with at_work(context.settings.work_dir) as beat:
+            lease = Lease(context.sessions, taken, lease_s=context.settings.lease_s, beat=beat)
+            WORK[Task(taken.task)](context, lease)
     except LeaseLost:
         raise
     except Cancelled:
@@ -62,11 +67,16 @@ def _do(context: Context, taken: Claim) -> None:
         log.info("shard failed", code=error.code, reason=str(error))
         _remove_output(context, taken)
         fail(context, taken, problem_of(error))
-    except Exception as error:
-        log.exception("unexpected error", attempt=taken.attempts)
+    except OperationalError as problem:
+        log.warning("broken off", reason=str(problem).splitlines()[0])
         _remove_output(context, taken)
-        if taken.attempts < MAX_ATTEMPTS:
+        with suppress(OperationalError):  # the database is still away: the lease will run out
             outcomes.give_back(context, taken)
+    except Exception as error:
+        log.exception("unexpected error", n_errors=taken.n_errors + 1)
+        _remove_output(context, taken)
+        if taken.n_errors + 1 < MAX_ERRORS:
+            outcomes.give_back_after_error(context, taken)
         else:
             fail(context, taken, cause_of(error, taken))
 

@@ -51,8 +51,9 @@ def work(context: Context, lease: Lease) -> None:
                 folder=folder,
                 progress=lease,
             )
-        sizes = pack(_count_tracked(film, folder / "trajectories.parquet"))
-        flow = pack(flow_moments(folder / FLOW, film.experiment.up))
+        with lease.kept():
+            sizes = pack(_count_tracked(film, folder / "trajectories.parquet"))
+            flow = pack(flow_moments(folder / FLOW, film.experiment.up))
         prefix = product_prefix(claim.experiment_id, claim.shard_id, claim.fence)
         _store(context.store, folder, prefix, lease)
         publish(context, claim, NewProduct(prefix, _files(folder, lease), sizes, flow))

@@ -1,7 +1,6 @@
 """What can be done with experiments."""
 
 from collections.abc import Mapping, Sequence
-from datetime import UTC, datetime
 from typing import Any
 from uuid import UUID
 
@@ -176,7 +175,7 @@ def _shown_run(run: Run, done: Mapping[tuple[UUID, str], Done]) -> schemas.RunSu
         state=run.state,
         created_at=run.created_at,
         finished_at=run.finished_at,
-        stages=shown_stages(run, done, datetime.now(UTC)),
+        stages=shown_stages(run, done),
         n_droplets=(run.summary or {}).get("detected", {}).get("n_droplets"),
     )
 

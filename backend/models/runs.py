@@ -127,6 +127,8 @@ class Shard(Identified, Dated, Base):
     """Its product was there already, made for another run."""
     fence: Mapped[int] = mapped_column(default=0)
     attempts: Mapped[int] = mapped_column(default=0)
+    n_errors: Mapped[int] = mapped_column(default=0)
+    """How often it met an error that nobody expected."""
     holder: Mapped[str | None] = mapped_column(String(200))
     lease_until: Mapped[datetime | None]
     sent_at: Mapped[datetime | None]

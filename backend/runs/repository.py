@@ -2,16 +2,20 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from datetime import timedelta
 from uuid import UUID
 
-from sqlalchemy import ColumnElement, case, exists, func, select
+from sqlalchemy import ColumnElement, case, exists, func, or_, select
 from sqlalchemy.dialects.postgresql import distinct_on
 from sqlalchemy.orm import Session
 
 from backend.models import Product, Run, Shard
+from backend.models.states import ShardState
 from backend.platform.pages import Order, page_of
 from backend.platform.visibility import Viewer, visible_runs
 from backend.runs.schemas import RunQuery
+
+_A_MOMENT_S = 10.0
 
 
 def find(session: Session, viewer: Viewer, run_id: UUID) -> Run | None:
@@ -73,21 +77,55 @@ def last_number(session: Session, experiment_id: UUID) -> int:
 
 @dataclass(frozen=True)
 class Done:
-    """Frames that are done of one stage."""
+    """Frames that are done of one stage, and how fast that went."""
 
     frames: int
     reused_frames: int
+    n_busy: int = 0
+    """Processes that work on it, or did a moment ago."""
+    n_samples: int = 0
+    """Stretches of work that were timed."""
+    n_timed: float = 0.0
+    """Their frames."""
+    seconds_per_frame: float | None = None
+    """Of one process."""
+    seconds_per_frame_std: float | None = None
+    """How much that differs from stretch to stretch."""
 
 
 def done_frames(session: Session, run_ids: Sequence[UUID]) -> Mapping[tuple[UUID, str], Done]:
     """Frames that are done by run and task."""
     reused = func.sum(case((Shard.is_reused, Shard.done_frames), else_=0))
+    moment_ago = func.clock_timestamp() - timedelta(seconds=_A_MOMENT_S)
+    is_busy = or_(Shard.state == ShardState.RUNNING, Shard.finished_at > moment_ago)
+    timed = case((Shard.n_paces > 0, Shard.done_frames), else_=0)
+    squared = func.power(Shard.seconds_per_frame, 2) + func.power(Shard.seconds_per_frame_std, 2)
     query = (
-        select(Shard.run_id, Shard.task, func.sum(Shard.done_frames), reused)
+        select(
+            Shard.run_id,
+            Shard.task,
+            func.sum(Shard.done_frames),
+            reused,
+            func.count(Shard.holder.distinct()).filter(is_busy),
+            func.sum(Shard.n_paces),
+            func.sum(timed),
+            func.sum(timed * Shard.seconds_per_frame),
+            func.sum(timed * squared),
+        )
         .where(Shard.run_id.in_(run_ids))
         .group_by(Shard.run_id, Shard.task)
     )
-    return {(run, task): Done(int(done), int(reused)) for run, task, done, reused in session.execute(query)}
+    return {(run, task): _done(*numbers) for run, task, *numbers in session.execute(query)}
+
+
+def _done(
+    frames: int, reused: int, n_busy: int, n_samples: int, n_timed: int, seconds: float | None, squares: float | None
+) -> Done:
+    if not n_timed or seconds is None or squares is None:
+        return Done(int(frames), int(reused), n_busy)
+    mean_s = seconds / n_timed
+    std_s = max(squares / n_timed - mean_s**2, 0.0) ** 0.5
+    return Done(int(frames), int(reused), n_busy, int(n_samples), float(n_timed), mean_s, std_s)
 
 
 def products_of_only(session: Session, run_id: UUID) -> Sequence[Product]:

@@ -31,6 +31,8 @@ class Stage(BaseModel):
     """Of the frames that are done, those that an earlier run had done already."""
     frames_per_s: float | None
     seconds_left: float | None
+    seconds_left_std: float | None
+    """How sure that is: its standard deviation, from how much the frames so far differed."""
 
 
 class Run(BaseModel):

@@ -1,7 +1,6 @@
 """What can be done with runs."""
 
 from collections.abc import Sequence
-from datetime import UTC, datetime
 from typing import Any
 from uuid import UUID
 
@@ -116,7 +115,6 @@ def delete(session: Session, viewer: Viewer, run_id: UUID) -> None:
 def shown_as(session: Session, runs: Sequence[Run]) -> list[schemas.Run]:
     """Runs as the API shows them; one query for the progress of any number."""
     done = repository.done_frames(session, [run.id for run in runs])
-    now = datetime.now(UTC)
     return [
         schemas.Run(
             id=run.id,
@@ -129,7 +127,7 @@ def shown_as(session: Session, runs: Sequence[Run]) -> list[schemas.Run]:
             started_at=run.started_at,
             finished_at=run.finished_at,
             version=run.version,
-            stages=shown_stages(run, done, now),
+            stages=shown_stages(run, done),
             problem=Problem.model_validate(run.problem) if run.problem else None,
             summary=run.summary,
             warnings=run.warnings,

@@ -108,6 +108,7 @@ def test_half_way_the_stages_say_how_far_they_are_and_how_long_it_takes(house: H
     assert detect["done_frames"] == 3
     assert detect["frames_per_s"] > 0
     assert detect["seconds_left"] == pytest.approx(3 / detect["frames_per_s"], rel=0.05, abs=0.1)
+    assert detect["seconds_left_std"] >= 0
 
 
 def test_a_run_that_waits_is_cancelled_at_once_and_never_begins(house: House) -> None:

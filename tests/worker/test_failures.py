@@ -14,7 +14,7 @@ from dropflow import pipeline
 from tests.films import Upload, film, frame, tiff
 from tests.house import House, Json
 from worker import analyse, detect, outcomes, prepare, track
-from worker.leases import MAX_ATTEMPTS, claim
+from worker.leases import MAX_ERRORS, claim
 from worker.shards import look_at
 
 
@@ -58,10 +58,10 @@ def test_an_unexpected_error_is_tried_three_times_and_then_told(house: House, mo
     run = house.start(house.ready())
     monkeypatch.setattr(pipeline, "estimate", broken)
     (shard_id,) = house.waiting("prepare")
-    for attempt in range(1, MAX_ATTEMPTS + 1):
+    for n_errors in range(1, MAX_ERRORS + 1):
         assert house.again(run)["state"] in {"queued", "running"}
         look_at(house.context, shard_id)
-        assert house.shards(run)[0].attempts == attempt
+        assert house.shards(run)[0].attempts == n_errors
     failed = house.again(run)
     assert failed["state"] == "failed"
     assert failed["problem"]["code"] == "run.internal"
@@ -76,7 +76,7 @@ def test_what_an_unexpected_error_says_of_the_server_is_not_shown(
     run = house.start(house.ready())
     missing = FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), "/srv/secret/place")
     monkeypatch.setattr(pipeline, "estimate", _raising(missing))
-    for _ in range(MAX_ATTEMPTS):
+    for _ in range(MAX_ERRORS):
         look_at(house.context, house.waiting("prepare")[0])
     answer = house.api.get(f"runs/{run['id']}").text
     assert "FileNotFoundError" in answer
@@ -93,7 +93,7 @@ def test_what_an_unexpected_error_says_of_the_server_is_not_shown(
 def test_a_full_disk_is_told_in_plain_words(house: House, monkeypatch: pytest.MonkeyPatch, full: OSError) -> None:
     run = house.start(house.ready())
     monkeypatch.setattr(pipeline, "estimate", _raising(full))
-    for _ in range(MAX_ATTEMPTS):
+    for _ in range(MAX_ERRORS):
         look_at(house.context, house.waiting("prepare")[0])
     problem = house.again(run)["problem"]
     assert (problem["code"], problem["status"]) == ("run.no_space", 507)
@@ -126,7 +126,7 @@ def test_a_fault_of_ours_while_indexing_keeps_the_files_so_that_it_can_be_tried_
     with monkeypatch.context() as broken:
         broken.setattr("worker.ingest.check_frames", lambda *_, **__: 1 / 0)
         (shard_id,) = house.waiting()
-        for _ in range(MAX_ATTEMPTS):
+        for _ in range(MAX_ERRORS):
             look_at(house.context, shard_id)
     stack = house.again(experiment)["stack"]
     assert (stack["state"], stack["problem"]["code"], stack["n_files"]) == ("rejected", "run.internal", 6)

@@ -8,7 +8,7 @@ from dropflow.experiment import Experiment, parse_experiment
 from dropflow.ingest import StackIndex
 from dropflow.parameters import Parameters, parse_parameters
 from tests.films import EXPERIMENT, PARAMETERS
-from worker.keys import detect_key, film_key, source_digest
+from worker.keys import detection_key, film_key, range_key, source_digest
 
 INDEX = StackIndex(
     n_frames=6,
@@ -29,14 +29,14 @@ def _parameters(**changes: Any) -> Parameters:
     return parse_parameters(PARAMETERS | changes)
 
 
-BASE = detect_key(INDEX, _experiment(), _parameters(), range(2))
+BASE = detection_key(INDEX, _experiment(), _parameters())
 
 
 @pytest.mark.parametrize(
     "changes", [{"name": "other"}, {"notes": "new"}, {"tags": ["a"]}, {"recorded_at": "2026-01-01T00:00:00Z"}]
 )
 def test_what_is_only_for_people_makes_no_difference_to_detection(changes: dict[str, Any]) -> None:
-    assert detect_key(INDEX, _experiment(**changes), _parameters(), range(2)) == BASE
+    assert detection_key(INDEX, _experiment(**changes), _parameters()) == BASE
     assert film_key("track", [BASE], _experiment(**changes), _parameters()) != film_key(
         "track", [BASE], _experiment(), _parameters()
     )
@@ -44,13 +44,13 @@ def test_what_is_only_for_people_makes_no_difference_to_detection(changes: dict[
 
 def test_what_is_only_for_tracking_makes_no_difference_to_detection() -> None:
     other = _parameters(flow={"n_columns": 6, "n_rows": 6})
-    assert detect_key(INDEX, _experiment(), other, range(2)) == BASE
+    assert detection_key(INDEX, _experiment(), other) == BASE
     assert film_key("track", [BASE], _experiment(), other) != film_key("track", [BASE], _experiment(), _parameters())
 
 
 @pytest.mark.parametrize("changes", [{"pixel_size_um": 1.1}, {"droplets": "dark"}, {"up": [1, 0]}])
 def test_what_was_filmed_makes_a_difference(changes: dict[str, Any]) -> None:
-    assert detect_key(INDEX, _experiment(**changes), _parameters(), range(2)) != BASE
+    assert detection_key(INDEX, _experiment(**changes), _parameters()) != BASE
 
 
 @pytest.mark.parametrize(
@@ -61,11 +61,11 @@ def test_what_was_filmed_makes_a_difference(changes: dict[str, Any]) -> None:
     ],
 )
 def test_other_frames_or_times_make_a_difference(index: StackIndex) -> None:
-    assert detect_key(index, _experiment(), _parameters(), range(2)) != BASE
+    assert detection_key(index, _experiment(), _parameters()) != BASE
 
 
 def test_each_range_and_task_has_its_own() -> None:
-    keys = {detect_key(INDEX, _experiment(), _parameters(), frames) for frames in (range(2), range(2, 4), range(3))}
+    keys = {range_key(BASE, frames) for frames in (range(2), range(2, 4), range(3))}
     keys |= {film_key(task, [BASE], _experiment(), _parameters()) for task in ("track", "analyse")}
     assert len(keys) == 5
 

@@ -705,6 +705,10 @@ export type Stage = {
      * Seconds Left
      */
     seconds_left: number | null;
+    /**
+     * Seconds Left Std
+     */
+    seconds_left_std: number | null;
     state: StageState;
     /**
      * Total Frames

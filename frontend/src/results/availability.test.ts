@@ -15,6 +15,7 @@ function run(
     reused_frames: 0,
     frames_per_s: null,
     seconds_left: null,
+    seconds_left_std: null,
   };
   return {
     state,

@@ -47,13 +47,20 @@ export function percentOf({ state, done_frames, total_frames }: Stage): number {
   return total_frames > 0 ? Math.min(100, (100 * done_frames) / total_frames) : 0;
 }
 
-/** `120 of 400 frames (40 from an earlier run), 2.1 frames/s, about 2 min left` */
+/** `about 2 min 11 s left, ± 12 s`: two standard deviations, which the truth rarely leaves; nothing below a second. */
+function timeLeft(left_s: number, std_s: number | null): string {
+  const left = `about ${formatDuration(Math.ceil(left_s))} left`;
+  const off_s = Math.round(2 * (std_s ?? 0));
+  return off_s >= 1 ? `${left}, ± ${formatDuration(off_s)}` : left;
+}
+
+/** `120 of 400 frames (40 from an earlier run), 2.1 frames/s, about 2 min left, ± 9 s` */
 export function detailsOf(stage: Stage): string {
   const parts = [`${formatCount(stage.done_frames)} of ${formatCount(stage.total_frames)} frames`];
   if (stage.reused_frames > 0) parts[0] += ` (${formatCount(stage.reused_frames)} from an earlier run)`;
   if (stage.state === "running") {
     if (stage.frames_per_s) parts.push(`${formatNumber(stage.frames_per_s, 2)} frames/s`);
-    if (stage.seconds_left != null) parts.push(`about ${formatDuration(Math.ceil(stage.seconds_left))} left`);
+    if (stage.seconds_left != null) parts.push(timeLeft(stage.seconds_left, stage.seconds_left_std));
   }
   return parts.join(", ");
 }

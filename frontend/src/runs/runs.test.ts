@@ -14,6 +14,7 @@ const STAGE: Stage = {
   reused_frames: 0,
   frames_per_s: 2.14,
   seconds_left: 130.8,
+  seconds_left_std: 6.2,
 };
 
 it("of several runs only the parameters that differ are shown, with their units", () => {
@@ -32,7 +33,7 @@ it("runs that are alike differ in nothing", () => {
 });
 
 it("a running stage says how far it is, how fast it goes and how long it takes still", () => {
-  expect(detailsOf(STAGE)).toBe("120 of 400 frames, 2.1 frames/s, about 2 min 11 s left");
+  expect(detailsOf(STAGE)).toBe("120 of 400 frames, 2.1 frames/s, about 2 min 11 s left, ± 12 s");
   expect(detailsOf({ ...STAGE, reused_frames: 100, frames_per_s: null, seconds_left: null })).toBe(
     "120 of 400 frames (100 from an earlier run)",
   );
