@@ -16,7 +16,8 @@ from sqlalchemy.exc import SQLAlchemyError
 from backend.operations.backup import back_up
 from backend.operations.doctor import Verdict, examine
 from backend.operations.errors import OperationError
-from backend.operations.restore import alembic_config, restore
+from backend.operations.migrated import alembic_config, is_migrated_within
+from backend.operations.restore import restore
 from backend.platform.database import make_engine
 from backend.platform.object_store import ObjectStore
 from backend.platform.settings import Settings, environment_settings
@@ -53,6 +54,16 @@ def migrate() -> None:
     """Bring the database to the form that this version needs."""
     os.environ["DATABASE_URL"] = _settings().database_url
     command.upgrade(alembic_config(), "head")
+
+
+@app.command("await-database")
+def await_database(
+    seconds: Annotated[float, typer.Option(min=0, help="So long at most.")] = 600.0,
+) -> None:
+    """Wait until the database has the form that this version needs, as services do before they start."""
+    engine = make_engine(_settings().database_url, application="dropflow-await")
+    if not is_migrated_within(engine, seconds):
+        raise OperationError(f"After {seconds:g} s the database is away or not migrated: see the migration's log.")
 
 
 @app.command()

@@ -11,11 +11,10 @@ from typing import Any
 from urllib.parse import unquote, urlparse
 
 import redis
-from alembic.script import ScriptDirectory
 from sqlalchemy import Engine, text
 from sqlalchemy.exc import SQLAlchemyError
 
-from backend.operations.restore import alembic_config
+from backend.operations.migrated import newest_form
 from backend.operations.tables import revision_of
 from backend.platform.database import make_engine
 from backend.platform.object_store import ObjectStore
@@ -60,18 +59,21 @@ class Finding:
 def examine(settings: Settings) -> Iterator[Finding]:
     """Findings of each part, as they are made. A part that cannot be reached is a finding, never an exception."""
     engine = make_engine(settings.database_url, application="dropflow-doctor")
-    for part, look in (
-        ("database", lambda: _database(engine)),
-        ("clock", lambda: _clock(engine)),
-        ("queue", lambda: _queue(settings)),
-        ("workers", lambda: _workers(settings)),
-        ("work", lambda: _work(engine)),
-        ("object store", lambda: _object_store(settings)),
-        ("disks", lambda: _disks(settings)),
-        ("page", lambda: _page(settings)),
-    ):
-        yield _looked(part, look)
-    engine.dispose()
+    looks: dict[str, Callable[[], Finding]] = {
+        "database": lambda: _database(engine),
+        "clock": lambda: _clock(engine),
+        "queue": lambda: _queue(settings),
+        "workers": lambda: _workers(settings),
+        "work": lambda: _work(engine),
+        "object store": lambda: _object_store(settings),
+        "disks": lambda: _disks(settings),
+        "page": lambda: _page(settings),
+    }
+    try:
+        for part, look in looks.items():
+            yield _looked(part, look)
+    finally:
+        engine.dispose()
 
 
 def _looked(part: str, look: Callable[[], Finding]) -> Finding:
@@ -90,7 +92,7 @@ def _database(engine: Engine) -> Finding:
     with engine.connect() as connection:
         version = connection.exec_driver_sql("SHOW server_version").scalar()
         revision = revision_of(connection)
-    head = ScriptDirectory.from_config(alembic_config()).get_current_head()
+    head = newest_form()
     if revision == head:
         return Finding("database", Verdict.GOOD, f"PostgreSQL {version}, form {revision}")
     return Finding(

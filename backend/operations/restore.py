@@ -6,15 +6,14 @@ from pathlib import Path
 from typing import Any
 
 from alembic import command
-from alembic.config import Config
 from alembic.util import CommandError
 from sqlalchemy import Engine, inspect
 
 from backend.operations.backup import FORM, MANIFEST, OBJECTS, Report, listed, moments_of
 from backend.operations.errors import OperationError
+from backend.operations.migrated import alembic_config
 from backend.operations.tables import VERSION_TABLE, checksum, follow_identities, read_table, table_names
 from backend.platform.object_store import ObjectStore
-from backend.platform.settings import CHECKOUT
 
 
 def restore(
@@ -105,8 +104,3 @@ def _restore_database(engine: Engine, moment: Path, manifest: Mapping[str, Any],
                 follow_identities(connection, name)
         command.upgrade(config, "head")
     report(f"database: {len(manifest['tables'])} tables")
-
-
-def alembic_config() -> Config:
-    """The migrations of this checkout or image."""
-    return Config(CHECKOUT / "alembic.ini")
