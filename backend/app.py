@@ -9,12 +9,14 @@ from sqlalchemy.exc import ProgrammingError
 from starlette.types import Lifespan
 
 from backend.experiments.endpoints import router as experiments
+from backend.flow.endpoints import router as flow
 from backend.forms.endpoints import router as forms
 from backend.health.endpoints import router as health
 from backend.operations.endpoints import router as operations
 from backend.operations.measures import served
 from backend.page import install as install_page
 from backend.people.service import ensure_local_people
+from backend.planning.endpoints import router as planning
 from backend.platform import problems
 from backend.platform.bodies import BoundedBodies
 from backend.platform.database import make_engine, make_sessions
@@ -30,6 +32,7 @@ from backend.platform.origins import LocalOnly
 from backend.platform.queue import Queue
 from backend.platform.settings import Settings, environment_settings
 from backend.platform.stopping import before_stopping
+from backend.quality.endpoints import router as quality
 from backend.results.endpoints import router as results
 from backend.runs.endpoints import router as runs
 from backend.stacks.endpoints import router as stacks
@@ -76,7 +79,7 @@ def bare_app(lifespan: Lifespan[FastAPI] | None = None) -> FastAPI:
         lifespan=lifespan,
     )
     api = APIRouter(prefix=API, dependencies=[Depends(check_media)])
-    for router in (health, forms, experiments, stacks, uploads, runs, results, trajectories):
+    for router in (health, forms, experiments, stacks, uploads, runs, results, trajectories, flow, quality, planning):
         api.include_router(router)
     app.include_router(api)
     problems.install(app)

@@ -6,10 +6,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from backend.platform.object_store import ObjectStore, product_prefix
+from backend.platform.object_store import QUALITY_FILE, ObjectStore, product_prefix
 from backend.platform.packing import pack
 from backend.platform.zip_stream import zip_stream
 from dropflow import pipeline
@@ -17,6 +18,7 @@ from dropflow.detections import write_droplets
 from dropflow.provenance import provenance
 from dropflow.statistics.flow_moments import flow_moments
 from dropflow.statistics.histograms import FrameHistograms
+from dropflow.statistics.quality import frame_quality
 from worker.context import Context
 from worker.detect import DROPLETS_FILE, count
 from worker.downloadable import described, pieces_of
@@ -56,6 +58,9 @@ def work(context: Context, lease: Lease) -> None:
             flow = pack(flow_moments(folder / FLOW, film.experiment.up))
         prefix = product_prefix(claim.experiment_id, claim.shard_id, claim.fence)
         _store(context.store, folder, prefix, lease)
+        with lease.kept():
+            quality = frame_quality(folder, np.array(film.index.times_s), film.experiment)
+        context.store.put(prefix + QUALITY_FILE, pack(quality))
         publish(context, claim, NewProduct(prefix, _files(folder, lease), sizes, flow))
 
 

@@ -20,6 +20,8 @@ from backend.platform.places import INDEX_NAME, Piece, Place, ReadAt, Stretch, j
 
 READ_BYTES = 1 << 20
 _MOST_INDEXES = 1000
+QUALITY_FILE = "quality.bin"
+"""Beside what tracking made: `dropflow.statistics.quality.FrameQuality`, packed."""
 
 
 def file_key(experiment_id: UUID, file_id: UUID) -> str:

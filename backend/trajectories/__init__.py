@@ -1,0 +1,1 @@
+"""Single droplets over time."""

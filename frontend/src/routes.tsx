@@ -1,5 +1,6 @@
 import { createRootRoute, createRoute, createRouter, lazyRouteComponent } from "@tanstack/react-router";
 import { ExperimentsPage } from "./experiments/ExperimentsPage";
+import { planSearch } from "./planning/wish";
 import { mountPath } from "./platform/base";
 import { NothingHere } from "./platform/NothingHere";
 import { PageError } from "./platform/PageError";
@@ -39,8 +40,15 @@ const run = createRoute({
   component: lazyRouteComponent(() => import("./runs/RunPage"), "RunPage"),
 });
 
+const planning = createRoute({
+  getParentRoute: () => root,
+  path: "/planning",
+  validateSearch: planSearch,
+  component: lazyRouteComponent(() => import("./planning/PlanningPage"), "PlanningPage"),
+});
+
 export const router = createRouter({
-  routeTree: root.addChildren([experiments, newExperiment, experiment, newRun, run]),
+  routeTree: root.addChildren([experiments, newExperiment, experiment, newRun, run, planning]),
   basepath: mountPath,
   defaultPreload: "intent",
   scrollRestoration: true,

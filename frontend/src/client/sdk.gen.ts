@@ -2,7 +2,7 @@
 
 import type { Client, Options as Options2, TDataShape } from './client';
 import { client } from './client.gen';
-import type { DropletsGetData, DropletsGetErrors, DropletsGetResponses, ExperimentsCreateData, ExperimentsCreateErrors, ExperimentsCreateResponses, ExperimentsDeleteData, ExperimentsDeleteErrors, ExperimentsDeleteResponses, ExperimentsEventsData, ExperimentsEventsErrors, ExperimentsEventsResponses, ExperimentsGetData, ExperimentsGetErrors, ExperimentsGetResponses, ExperimentsListData, ExperimentsListErrors, ExperimentsListResponses, ExperimentsUpdateData, ExperimentsUpdateErrors, ExperimentsUpdateResponses, FiguresGetData, FiguresGetErrors, FiguresGetResponses, FilesListData, FilesListErrors, FilesListResponses, FilesUploadData, FilesUploadErrors, FilesUploadResponses, FlowGetData, FlowGetErrors, FlowGetResponses, FramesPictureData, FramesPictureErrors, FramesPictureResponses, HealthGetData, HealthGetErrors, HealthGetResponses, ResultFilesDownloadData, ResultFilesDownloadErrors, ResultFilesDownloadResponses, ResultFilesListData, ResultFilesListErrors, ResultFilesListResponses, RunsCancelData, RunsCancelErrors, RunsCancelResponses, RunsCreateData, RunsCreateErrors, RunsCreateResponses, RunsDeleteData, RunsDeleteErrors, RunsDeleteResponses, RunsEventsData, RunsEventsErrors, RunsEventsResponses, RunsGetData, RunsGetErrors, RunsGetResponses, RunsListAllData, RunsListAllErrors, RunsListAllResponses, RunsListData, RunsListErrors, RunsListResponses, RunsRetryData, RunsRetryErrors, RunsRetryResponses, SchemasGetExperimentData, SchemasGetExperimentErrors, SchemasGetExperimentResponses, SchemasGetParametersData, SchemasGetParametersErrors, SchemasGetParametersResponses, StackCompleteData, StackCompleteErrors, StackCompleteResponses, StackDeleteData, StackDeleteErrors, StackDeleteResponses, TailsGetData, TailsGetErrors, TailsGetResponses, TrajectoriesGetData, TrajectoriesGetErrors, TrajectoriesGetResponses, UploadsCreateData, UploadsCreateErrors, UploadsCreateResponses, UploadsGetData, UploadsGetErrors, UploadsGetResponses, UploadsListData, UploadsListErrors, UploadsListResponses, UploadsOffsetData, UploadsOffsetErrors, UploadsOffsetResponses, UploadsPlanData, UploadsPlanErrors, UploadsPlanResponses, UploadsSendData, UploadsSendErrors, UploadsSendResponses, UploadsTerminateData, UploadsTerminateErrors, UploadsTerminateResponses } from './types.gen';
+import type { DropletsGetData, DropletsGetErrors, DropletsGetResponses, ExperimentsCreateData, ExperimentsCreateErrors, ExperimentsCreateResponses, ExperimentsDeleteData, ExperimentsDeleteErrors, ExperimentsDeleteResponses, ExperimentsEventsData, ExperimentsEventsErrors, ExperimentsEventsResponses, ExperimentsGetData, ExperimentsGetErrors, ExperimentsGetResponses, ExperimentsListData, ExperimentsListErrors, ExperimentsListResponses, ExperimentsUpdateData, ExperimentsUpdateErrors, ExperimentsUpdateResponses, FiguresGetData, FiguresGetErrors, FiguresGetResponses, FilesListData, FilesListErrors, FilesListResponses, FilesUploadData, FilesUploadErrors, FilesUploadResponses, FlowGetData, FlowGetErrors, FlowGetResponses, FlowMapsGetData, FlowMapsGetErrors, FlowMapsGetResponses, FramesPictureData, FramesPictureErrors, FramesPictureResponses, HealthGetData, HealthGetErrors, HealthGetResponses, MaterialsGetData, MaterialsGetErrors, MaterialsGetPhaseDiagramData, MaterialsGetPhaseDiagramErrors, MaterialsGetPhaseDiagramResponses, MaterialsGetResponses, MaterialsGetViscosityData, MaterialsGetViscosityErrors, MaterialsGetViscosityResponses, MaterialsListData, MaterialsListErrors, MaterialsListResponses, QualityGetData, QualityGetErrors, QualityGetResponses, RampsDownloadData, RampsDownloadErrors, RampsDownloadResponses, RampsGetData, RampsGetErrors, RampsGetResponses, ResultFilesDownloadData, ResultFilesDownloadErrors, ResultFilesDownloadResponses, ResultFilesListData, ResultFilesListErrors, ResultFilesListResponses, RunsCancelData, RunsCancelErrors, RunsCancelResponses, RunsCreateData, RunsCreateErrors, RunsCreateResponses, RunsDeleteData, RunsDeleteErrors, RunsDeleteResponses, RunsEventsData, RunsEventsErrors, RunsEventsResponses, RunsGetData, RunsGetErrors, RunsGetResponses, RunsListAllData, RunsListAllErrors, RunsListAllResponses, RunsListData, RunsListErrors, RunsListResponses, RunsRetryData, RunsRetryErrors, RunsRetryResponses, SchemasGetExperimentData, SchemasGetExperimentErrors, SchemasGetExperimentResponses, SchemasGetParametersData, SchemasGetParametersErrors, SchemasGetParametersResponses, StackCompleteData, StackCompleteErrors, StackCompleteResponses, StackDeleteData, StackDeleteErrors, StackDeleteResponses, TailsGetData, TailsGetErrors, TailsGetResponses, TrajectoriesGetData, TrajectoriesGetErrors, TrajectoriesGetResponses, UploadsCreateData, UploadsCreateErrors, UploadsCreateResponses, UploadsGetData, UploadsGetErrors, UploadsGetResponses, UploadsListData, UploadsListErrors, UploadsListResponses, UploadsOffsetData, UploadsOffsetErrors, UploadsOffsetResponses, UploadsPlanData, UploadsPlanErrors, UploadsPlanResponses, UploadsSendData, UploadsSendErrors, UploadsSendResponses, UploadsTerminateData, UploadsTerminateErrors, UploadsTerminateResponses } from './types.gen';
 
 export type Options<TData extends TDataShape = TDataShape, ThrowOnError extends boolean = boolean, TResponse = unknown> = Options2<TData, ThrowOnError, TResponse> & {
     /**
@@ -218,6 +218,48 @@ export const uploadsSend = <ThrowOnError extends boolean = true>(options: Option
 export const healthGet = <ThrowOnError extends boolean = true>(options?: Options<HealthGetData, ThrowOnError>) => (options?.client ?? client).get<HealthGetResponses, HealthGetErrors, ThrowOnError>({ url: '/api/v1/health', ...options });
 
 /**
+ * Materials List
+ *
+ * List the materials that come with the software.
+ */
+export const materialsList = <ThrowOnError extends boolean = true>(options?: Options<MaterialsListData, ThrowOnError>) => (options?.client ?? client).get<MaterialsListResponses, MaterialsListErrors, ThrowOnError>({ url: '/api/v1/materials', ...options });
+
+/**
+ * Materials Get
+ *
+ * Get every property of a material at a temperature, and how fast droplets move in it.
+ */
+export const materialsGet = <ThrowOnError extends boolean = true>(options: Options<MaterialsGetData, ThrowOnError>) => (options.client ?? client).get<MaterialsGetResponses, MaterialsGetErrors, ThrowOnError>({ url: '/api/v1/materials/{name}', ...options });
+
+/**
+ * Materials Get Phase Diagram
+ *
+ * Get the phase diagram of a mixture, as Plotly draws it.
+ */
+export const materialsGetPhaseDiagram = <ThrowOnError extends boolean = true>(options: Options<MaterialsGetPhaseDiagramData, ThrowOnError>) => (options.client ?? client).get<MaterialsGetPhaseDiagramResponses, MaterialsGetPhaseDiagramErrors, ThrowOnError>({ url: '/api/v1/materials/{name}/phase_diagram', ...options });
+
+/**
+ * Ramps Get
+ *
+ * Compute the temperature ramp that keeps the driving parameter constant.
+ */
+export const rampsGet = <ThrowOnError extends boolean = true>(options: Options<RampsGetData, ThrowOnError>) => (options.client ?? client).get<RampsGetResponses, RampsGetErrors, ThrowOnError>({ url: '/api/v1/materials/{name}/ramp', ...options });
+
+/**
+ * Ramps Download
+ *
+ * Download the set points of a ramp: `time_s`, `temperature_c` and `stage`, one row a second.
+ */
+export const rampsDownload = <ThrowOnError extends boolean = true>(options: Options<RampsDownloadData, ThrowOnError>) => (options.client ?? client).get<RampsDownloadResponses, RampsDownloadErrors, ThrowOnError>({ url: '/api/v1/materials/{name}/ramp.csv', ...options });
+
+/**
+ * Materials Get Viscosity
+ *
+ * Get the viscosities of a mixture against temperature, as Plotly draws them.
+ */
+export const materialsGetViscosity = <ThrowOnError extends boolean = true>(options: Options<MaterialsGetViscosityData, ThrowOnError>) => (options.client ?? client).get<MaterialsGetViscosityResponses, MaterialsGetViscosityErrors, ThrowOnError>({ url: '/api/v1/materials/{name}/viscosity', ...options });
+
+/**
  * Runs List All
  *
  * List the runs of all experiments, newest first unless `sort` says otherwise.
@@ -274,6 +316,13 @@ export const resultFilesList = <ThrowOnError extends boolean = true>(options: Op
 export const resultFilesDownload = <ThrowOnError extends boolean = true>(options: Options<ResultFilesDownloadData, ThrowOnError>) => (options.client ?? client).get<ResultFilesDownloadResponses, ResultFilesDownloadErrors, ThrowOnError>({ url: '/api/v1/runs/{run_id}/files/{name}', ...options });
 
 /**
+ * Flow Maps Get
+ *
+ * Get the flow with its speed, vorticity and divergence, at one step or averaged over a range of time.
+ */
+export const flowMapsGet = <ThrowOnError extends boolean = true>(options: Options<FlowMapsGetData, ThrowOnError>) => (options.client ?? client).get<FlowMapsGetResponses, FlowMapsGetErrors, ThrowOnError>({ url: '/api/v1/runs/{run_id}/flow_map', ...options });
+
+/**
  * Droplets Get
  *
  * Get the droplets of one frame.
@@ -293,6 +342,13 @@ export const flowGet = <ThrowOnError extends boolean = true>(options: Options<Fl
  * Get where the droplets of a frame were in the frames before.
  */
 export const tailsGet = <ThrowOnError extends boolean = true>(options: Options<TailsGetData, ThrowOnError>) => (options.client ?? client).get<TailsGetResponses, TailsGetErrors, ThrowOnError>({ url: '/api/v1/runs/{run_id}/frames/{frame}/tails', ...options });
+
+/**
+ * Quality Get
+ *
+ * Get how well a run did over time.
+ */
+export const qualityGet = <ThrowOnError extends boolean = true>(options: Options<QualityGetData, ThrowOnError>) => (options.client ?? client).get<QualityGetResponses, QualityGetErrors, ThrowOnError>({ url: '/api/v1/runs/{run_id}/quality', ...options });
 
 /**
  * Runs Retry

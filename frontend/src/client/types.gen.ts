@@ -187,6 +187,74 @@ export type Files = {
 };
 
 /**
+ * FlowMap
+ *
+ * The flow over the field of view, at one step or averaged over a range; arrays are [row][column].
+ */
+export type FlowMap = {
+    /**
+     * Computed Share
+     */
+    computed_share: Array<Array<number | null>>;
+    /**
+     * Divergence Per S
+     */
+    divergence_per_s: Array<Array<number | null>>;
+    /**
+     * First Frame
+     */
+    first_frame: number;
+    /**
+     * From S
+     */
+    from_s: number;
+    /**
+     * Grid X Px
+     */
+    grid_x_px: Array<number>;
+    /**
+     * Grid Y Px
+     */
+    grid_y_px: Array<number>;
+    /**
+     * Last Frame
+     */
+    last_frame: number;
+    /**
+     * N Steps
+     */
+    n_steps: number;
+    /**
+     * N Used
+     */
+    n_used: number;
+    /**
+     * Rms Um S
+     */
+    rms_um_s: Array<Array<number | null>>;
+    /**
+     * Speed Um S
+     */
+    speed_um_s: Array<Array<number | null>>;
+    /**
+     * To S
+     */
+    to_s: number;
+    /**
+     * U Um S
+     */
+    u_um_s: Array<Array<number | null>>;
+    /**
+     * V Um S
+     */
+    v_um_s: Array<Array<number | null>>;
+    /**
+     * Vorticity Per S
+     */
+    vorticity_per_s: Array<Array<number | null>>;
+};
+
+/**
  * FrameDroplets
  *
  * The droplets of one frame, one array a column; the last six where they were tracked.
@@ -300,6 +368,78 @@ export type Health = {
      * Version
      */
     version: string;
+};
+
+/**
+ * Material
+ *
+ * A material that comes with the software.
+ */
+export type Material = {
+    /**
+     * First
+     */
+    first: string | null;
+    /**
+     * Is Illustrative
+     */
+    is_illustrative: boolean;
+    /**
+     * Is Mixture
+     */
+    is_mixture: boolean;
+    /**
+     * Name
+     */
+    name: string;
+    /**
+     * Range C
+     */
+    range_c: [
+        number,
+        number
+    ] | null;
+    /**
+     * Second
+     */
+    second: string | null;
+    /**
+     * Title
+     */
+    title: string;
+};
+
+/**
+ * MaterialProperties
+ *
+ * Everything that is known of a material at one temperature.
+ */
+export type MaterialProperties = {
+    material: Material;
+    /**
+     * Properties
+     */
+    properties: Array<Property>;
+    /**
+     * Sedimentation
+     */
+    sedimentation: Array<Sedimentation>;
+    /**
+     * Temperature C
+     */
+    temperature_c: number | null;
+};
+
+/**
+ * Materials
+ *
+ * The materials that come with the software.
+ */
+export type Materials = {
+    /**
+     * Items
+     */
+    items: Array<Material>;
 };
 
 /**
@@ -455,6 +595,96 @@ export type Problem = {
      * Type
      */
     type?: string;
+};
+
+/**
+ * Property
+ *
+ * One property with its unit and where it comes from.
+ */
+export type Property = {
+    /**
+     * Name
+     */
+    name: string;
+    /**
+     * Source
+     */
+    source: string;
+    /**
+     * Unit
+     */
+    unit: string;
+    /**
+     * Value
+     */
+    value: number;
+};
+
+/**
+ * Quality
+ *
+ * How well a run did over time: means over neighbouring frames, one array a column; null where there is nothing.
+ */
+export type Quality = {
+    /**
+     * First Frame
+     */
+    first_frame: Array<number>;
+    /**
+     * Match
+     */
+    match: Array<number | null>;
+    /**
+     * N Detected
+     */
+    n_detected: Array<number | null>;
+    /**
+     * N Tracked
+     */
+    n_tracked: Array<number | null>;
+    /**
+     * Predicted Share
+     */
+    predicted_share: Array<number | null>;
+    /**
+     * Radius Std Share
+     */
+    radius_std_share: Array<number | null>;
+    /**
+     * Residual Px
+     */
+    residual_px: Array<number | null>;
+    /**
+     * Time S
+     */
+    time_s: Array<number>;
+};
+
+/**
+ * Ramp
+ *
+ * A temperature ramp with a constant driving parameter.
+ */
+export type Ramp = {
+    /**
+     * Driving Per S
+     */
+    driving_per_s: number;
+    /**
+     * Duration S
+     */
+    duration_s: number;
+    /**
+     * Figure
+     */
+    figure: {
+        [key: string]: unknown;
+    };
+    /**
+     * Total S
+     */
+    total_s: number;
 };
 
 /**
@@ -623,6 +853,34 @@ export type Runs = {
      * Next Cursor
      */
     next_cursor?: string | null;
+};
+
+/**
+ * Sedimentation
+ *
+ * How fast droplets of some radii move along `up` in one phase, by Stokes' law.
+ */
+export type Sedimentation = {
+    /**
+     * Delta Density Kg M3
+     */
+    delta_density_kg_m3: number;
+    /**
+     * Phase
+     */
+    phase: string | null;
+    /**
+     * R Um
+     */
+    r_um: Array<number>;
+    /**
+     * Speed Um S
+     */
+    speed_um_s: Array<number>;
+    /**
+     * Viscosity Pa S
+     */
+    viscosity_pa_s: number;
 };
 
 /**
@@ -2135,6 +2393,306 @@ export type HealthGetResponses = {
 
 export type HealthGetResponse = HealthGetResponses[keyof HealthGetResponses];
 
+export type MaterialsListData = {
+    body?: never;
+    path?: never;
+    query?: never;
+    url: '/api/v1/materials';
+};
+
+export type MaterialsListErrors = {
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type MaterialsListError = MaterialsListErrors[keyof MaterialsListErrors];
+
+export type MaterialsListResponses = {
+    /**
+     * Successful Response
+     */
+    200: Materials;
+};
+
+export type MaterialsListResponse = MaterialsListResponses[keyof MaterialsListResponses];
+
+export type MaterialsGetData = {
+    body?: never;
+    path: {
+        /**
+         * Name
+         */
+        name: string;
+    };
+    query?: {
+        /**
+         * Temperature C
+         */
+        temperature_c?: number | null;
+    };
+    url: '/api/v1/materials/{name}';
+};
+
+export type MaterialsGetErrors = {
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type MaterialsGetError = MaterialsGetErrors[keyof MaterialsGetErrors];
+
+export type MaterialsGetResponses = {
+    /**
+     * Successful Response
+     */
+    200: MaterialProperties;
+};
+
+export type MaterialsGetResponse = MaterialsGetResponses[keyof MaterialsGetResponses];
+
+export type MaterialsGetPhaseDiagramData = {
+    body?: never;
+    path: {
+        /**
+         * Name
+         */
+        name: string;
+    };
+    query?: never;
+    url: '/api/v1/materials/{name}/phase_diagram';
+};
+
+export type MaterialsGetPhaseDiagramErrors = {
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type MaterialsGetPhaseDiagramError = MaterialsGetPhaseDiagramErrors[keyof MaterialsGetPhaseDiagramErrors];
+
+export type MaterialsGetPhaseDiagramResponses = {
+    /**
+     * Successful Response
+     */
+    200: Figure;
+};
+
+export type MaterialsGetPhaseDiagramResponse = MaterialsGetPhaseDiagramResponses[keyof MaterialsGetPhaseDiagramResponses];
+
+export type RampsGetData = {
+    body?: never;
+    path: {
+        /**
+         * Name
+         */
+        name: string;
+    };
+    query?: {
+        /**
+         * Start C
+         */
+        start_c?: number;
+        /**
+         * End C
+         */
+        end_c?: number;
+        /**
+         * Driving Per S
+         *
+         * xi. Give this or the duration.
+         */
+        driving_per_s?: number | null;
+        /**
+         * Duration S
+         *
+         * How long the ramp takes.
+         */
+        duration_s?: number | null;
+        /**
+         * Has Protocol
+         *
+         * Begin with an hour of mixing and four of equilibration.
+         */
+        has_protocol?: boolean;
+    };
+    url: '/api/v1/materials/{name}/ramp';
+};
+
+export type RampsGetErrors = {
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type RampsGetError = RampsGetErrors[keyof RampsGetErrors];
+
+export type RampsGetResponses = {
+    /**
+     * Successful Response
+     */
+    200: Ramp;
+};
+
+export type RampsGetResponse = RampsGetResponses[keyof RampsGetResponses];
+
+export type RampsDownloadData = {
+    body?: never;
+    path: {
+        /**
+         * Name
+         */
+        name: string;
+    };
+    query?: {
+        /**
+         * Start C
+         */
+        start_c?: number;
+        /**
+         * End C
+         */
+        end_c?: number;
+        /**
+         * Driving Per S
+         *
+         * xi. Give this or the duration.
+         */
+        driving_per_s?: number | null;
+        /**
+         * Duration S
+         *
+         * How long the ramp takes.
+         */
+        duration_s?: number | null;
+        /**
+         * Has Protocol
+         *
+         * Begin with an hour of mixing and four of equilibration.
+         */
+        has_protocol?: boolean;
+    };
+    url: '/api/v1/materials/{name}/ramp.csv';
+};
+
+export type RampsDownloadErrors = {
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type RampsDownloadError = RampsDownloadErrors[keyof RampsDownloadErrors];
+
+export type RampsDownloadResponses = {
+    /**
+     * Set points, one a second.
+     */
+    200: unknown;
+};
+
+export type MaterialsGetViscosityData = {
+    body?: never;
+    path: {
+        /**
+         * Name
+         */
+        name: string;
+    };
+    query?: never;
+    url: '/api/v1/materials/{name}/viscosity';
+};
+
+export type MaterialsGetViscosityErrors = {
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type MaterialsGetViscosityError = MaterialsGetViscosityErrors[keyof MaterialsGetViscosityErrors];
+
+export type MaterialsGetViscosityResponses = {
+    /**
+     * Successful Response
+     */
+    200: Figure;
+};
+
+export type MaterialsGetViscosityResponse = MaterialsGetViscosityResponses[keyof MaterialsGetViscosityResponses];
+
 export type RunsListAllData = {
     body?: never;
     path?: never;
@@ -2527,6 +3085,65 @@ export type ResultFilesDownloadResponses = {
 
 export type ResultFilesDownloadResponse = ResultFilesDownloadResponses[keyof ResultFilesDownloadResponses];
 
+export type FlowMapsGetData = {
+    body?: never;
+    path: {
+        /**
+         * Run Id
+         */
+        run_id: string;
+    };
+    query?: {
+        /**
+         * Frame
+         *
+         * One step: this frame to the next.
+         */
+        frame?: number | null;
+        /**
+         * From S
+         *
+         * Mean over a range of time.
+         */
+        from_s?: number | null;
+        /**
+         * To S
+         */
+        to_s?: number | null;
+    };
+    url: '/api/v1/runs/{run_id}/flow_map';
+};
+
+export type FlowMapsGetErrors = {
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type FlowMapsGetError = FlowMapsGetErrors[keyof FlowMapsGetErrors];
+
+export type FlowMapsGetResponses = {
+    /**
+     * Successful Response
+     */
+    200: FlowMap;
+};
+
+export type FlowMapsGetResponse = FlowMapsGetResponses[keyof FlowMapsGetResponses];
+
 export type DropletsGetData = {
     body?: never;
     path: {
@@ -2673,6 +3290,67 @@ export type TailsGetResponses = {
 };
 
 export type TailsGetResponse = TailsGetResponses[keyof TailsGetResponses];
+
+export type QualityGetData = {
+    body?: never;
+    path: {
+        /**
+         * Run Id
+         */
+        run_id: string;
+    };
+    query?: {
+        /**
+         * From S
+         *
+         * Only frames from this time on.
+         */
+        from_s?: number | null;
+        /**
+         * To S
+         *
+         * Only frames up to this time.
+         */
+        to_s?: number | null;
+        /**
+         * Max Columns
+         *
+         * Neighbouring frames are summed up.
+         */
+        max_columns?: number;
+    };
+    url: '/api/v1/runs/{run_id}/quality';
+};
+
+export type QualityGetErrors = {
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type QualityGetError = QualityGetErrors[keyof QualityGetErrors];
+
+export type QualityGetResponses = {
+    /**
+     * Successful Response
+     */
+    200: Quality;
+};
+
+export type QualityGetResponse = QualityGetResponses[keyof QualityGetResponses];
 
 export type RunsRetryData = {
     body?: never;

@@ -40,6 +40,8 @@ type FramePlayerProps = {
   /** Stands left of the tools. */
   beside?: ReactNode;
   fileName?: string;
+  /** One picture that does not go on, such as a mean. */
+  isStill?: boolean;
 };
 
 /** A frame with its slider, step and play buttons, zoom, brightness and export; keys do the same. */
@@ -56,7 +58,7 @@ export function FramePlayer(props: FramePlayerProps) {
     beside,
     fileName = "frame",
   } = props;
-  const last = source.n_frames - 1;
+  const last = props.isStill ? 0 : source.n_frames - 1;
   const own = useState<View>(() => wholeFrame(source));
   const view = bounded(props.view ?? own[0], source);
   const onView = props.onView ?? own[1];

@@ -25,7 +25,10 @@ export function Shell() {
       <AppShell.Header>
         <Container size={1440} h="100%">
           <Group h="100%" justify="space-between" wrap="nowrap">
-            <HomeLink />
+            <Group gap="lg" wrap="nowrap">
+              <HomeLink />
+              <MainLinks />
+            </Group>
             <Group gap="xs" wrap="nowrap">
               <Button
                 renderRoot={(props) => <Link to="/experiments/new" {...props} />}
@@ -78,6 +81,34 @@ function HomeLink() {
         </Text>
       </Group>
     </Anchor>
+  );
+}
+
+const PLACES = [
+  {
+    to: "/",
+    name: "Experiments",
+    isHere: (path: string) => path === "/" || /^\/(experiments|runs)\b/.test(path),
+  },
+  { to: "/planning", name: "Planning", isHere: (path: string) => path.startsWith("/planning") },
+] as const;
+
+/** The places of the service; where one is, is said to everybody. */
+function MainLinks() {
+  const path = useRouterState({ select: ({ location }) => location.pathname });
+  return (
+    <Group component="nav" gap={4} wrap="nowrap" aria-label="Main">
+      {PLACES.map(({ to, name, isHere }) => (
+        <Anchor
+          key={to}
+          className="main-link"
+          underline="never"
+          renderRoot={(props) => <Link to={to} aria-current={isHere(path) ? "page" : undefined} {...props} />}
+        >
+          {name}
+        </Anchor>
+      ))}
+    </Group>
   );
 }
 

@@ -1,7 +1,7 @@
 import { useQuery } from "@tanstack/react-query";
 import type { FigureName, Run } from "../client";
 import { QueryView } from "../platform/QueryView";
-import type { Figure, Ranges, rangesFromRelayout } from "./figure";
+import type { Figure, RangeChange, Ranges } from "./figure";
 import { NotYet } from "./NotYet";
 import { Plot } from "./Plot";
 import { figureQuery } from "./queries";
@@ -12,7 +12,7 @@ type FigureViewProps = {
   label: string;
   height?: number;
   ranges?: Ranges;
-  onRanges?: (changed: ReturnType<typeof rangesFromRelayout>) => void;
+  onRanges?: (changed: RangeChange) => void;
 };
 
 /** One figure of a run: loading, not there yet, failed, or drawn. */

@@ -4,7 +4,15 @@ import { useEffect, useRef, useState } from "react";
 import { ProblemAlert } from "../platform/ProblemAlert";
 import { toProblem } from "../platform/problem";
 import { Loading } from "../platform/QueryView";
-import { captionOf, type Figure, fitted, type Layout, type Ranges, rangesFromRelayout } from "./figure";
+import {
+  captionOf,
+  type Figure,
+  fitted,
+  type Layout,
+  type RangeChange,
+  type Ranges,
+  rangesFromRelayout,
+} from "./figure";
 
 type PlotlyModule = typeof import("./plotly").default;
 
@@ -14,7 +22,7 @@ type PlotProps = {
   label: string;
   height?: number;
   ranges?: Ranges;
-  onRanges?: (changed: ReturnType<typeof rangesFromRelayout>) => void;
+  onRanges?: (changed: RangeChange) => void;
 };
 
 /** A figure of the API, drawn by Plotly, which comes with the first of them. */

@@ -8,6 +8,8 @@ import { TABS, type Tab } from "./view";
 const SizesTab = lazy(async () => ({ default: (await import("./SizesTab")).SizesTab }));
 const TimeTab = lazy(async () => ({ default: (await import("./TimeTab")).TimeTab }));
 const FramesTab = lazy(async () => ({ default: (await import("./FramesTab")).FramesTab }));
+const FlowTab = lazy(async () => ({ default: (await import("./FlowTab")).FlowTab }));
+const QualityTab = lazy(async () => ({ default: (await import("./QualityTab")).QualityTab }));
 const SummaryTab = lazy(async () => ({ default: (await import("./SummaryTab")).SummaryTab }));
 const FilesTab = lazy(async () => ({ default: (await import("./FilesTab")).FilesTab }));
 
@@ -16,6 +18,8 @@ const route = getRouteApi("/runs/$runId");
 const TAB_TITLES: Record<Tab, string> = {
   sizes: "Sizes",
   frames: "Droplets",
+  flow: "Flow",
+  quality: "Quality",
   time: "Over time",
   summary: "Numbers and parameters",
   files: "Downloads",
@@ -45,6 +49,12 @@ export function ResultTabs({ run, experiment }: { run: Run; experiment: Experime
         </Tabs.Panel>
         <Tabs.Panel value="time">
           <TimeTab run={run} />
+        </Tabs.Panel>
+        <Tabs.Panel value="flow">
+          {experiment ? <FlowTab run={run} experiment={experiment} /> : <Loading rows={1} height={420} />}
+        </Tabs.Panel>
+        <Tabs.Panel value="quality">
+          <QualityTab run={run} />
         </Tabs.Panel>
         <Tabs.Panel value="summary">
           <SummaryTab run={run} />

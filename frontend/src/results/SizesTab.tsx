@@ -20,8 +20,7 @@ export function SizesTab({ run }: { run: Run }) {
     () => withCommonColours((before.data ?? null) as Figure | null, (after.data ?? null) as Figure | null),
     [before.data, after.data],
   );
-  const { time, radius, zoom, clear } = useSharedRanges();
-  const ranges = useMemo(() => ({ x: time, y: radius }), [time, radius]);
+  const { ranges, zoom, clear } = useSharedRanges();
   const plot = {
     height: HEIGHT,
     ranges,
@@ -32,7 +31,7 @@ export function SizesTab({ run }: { run: Run }) {
       title="Droplet size distribution"
       about="Droplets per radius over time, on a logarithmic scale. Tracking takes out what appears only once or does not move as droplets do."
       actions={
-        (time || radius) && (
+        (ranges.time_s || ranges.radius_um) && (
           <Button size="compact-sm" variant="default" onClick={clear}>
             Show everything
           </Button>

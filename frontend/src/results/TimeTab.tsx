@@ -1,5 +1,4 @@
 import { Stack } from "@mantine/core";
-import { useMemo } from "react";
 import type { Run } from "../client";
 import { Panel } from "../platform/Panel";
 import { FigureView } from "./FigureView";
@@ -7,9 +6,8 @@ import { useSharedRanges } from "./view";
 
 /** Numbers over time: moments of the sizes, mean and rms of the flow. They share their time axis. */
 export function TimeTab({ run }: { run: Run }) {
-  const { time, zoom } = useSharedRanges();
-  const ranges = useMemo(() => ({ x: time }), [time]);
-  const plot = { ranges, onRanges: ({ x }: Parameters<typeof zoom>[0]) => zoom({ x }) };
+  const { ranges, zoom } = useSharedRanges();
+  const plot = { ranges, onRanges: zoom };
   return (
     <Stack gap="md">
       <Panel title="Sizes over time" about="Bands are one standard deviation of counting.">

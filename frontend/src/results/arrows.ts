@@ -13,8 +13,10 @@ export type ArrowField = {
 const FAST_SHARE = 0.95;
 const FAST_CELLS = 1.4;
 
+type Field = Pick<FrameFlow, "grid_x_px" | "grid_y_px" | "u_um_s" | "v_um_s" | "is_interpolated">;
+
 /** Arrows of a flow field. A fast one is somewhat longer than a cell; lengths grow with speed. */
-export function arrowsOf(flow: FrameFlow): ArrowField | null {
+export function arrowsOf(flow: Field): ArrowField | null {
   const speeds = flow.u_um_s.flatMap((row, j) => row.flatMap((u, i) => speedOf(u, flow.v_um_s[j]?.[i])));
   const fast = speeds.sort((a, b) => a - b)[Math.floor(FAST_SHARE * (speeds.length - 1))];
   if (!fast) return null;
@@ -37,7 +39,7 @@ function speedOf(u: number | null | undefined, v: number | null | undefined): nu
   return u == null || v == null ? [] : [Math.hypot(u, v)];
 }
 
-function cellSize({ grid_x_px }: FrameFlow): number {
+function cellSize({ grid_x_px }: Field): number {
   const [first, second] = grid_x_px;
   return first !== undefined && second !== undefined ? second - first : 50;
 }

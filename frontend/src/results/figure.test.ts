@@ -10,7 +10,7 @@ const HEAT: Figure = {
     width: 760,
     height: 520,
     xaxis: { title: { text: "time t (s)" } },
-    yaxis: { type: "log", range: [0.6, 1.6], autorange: false },
+    yaxis: { type: "log", range: [0.6, 1.6], autorange: false, title: { text: "radius r (µm)" } },
     annotations: [
       { text: "experiment: a<br>run: 1", xref: "paper", yref: "paper", x: 0, y: 0, yshift: -50 },
       { text: "no droplets", xref: "paper", yref: "paper", x: 0.5, y: 0.5 },
@@ -28,7 +28,7 @@ describe("fitted", () => {
   });
 
   it("sets ranges as the axes count them: a log axis in exponents", () => {
-    const { layout } = fitted(HEAT, { ...LOOK, ranges: { x: [1, 5], y: [10, 100] } });
+    const { layout } = fitted(HEAT, { ...LOOK, ranges: { time_s: [1, 5], radius_um: [10, 100] } });
     expect(layout.xaxis).toMatchObject({ range: [1, 5], autorange: false });
     expect(layout.yaxis).toMatchObject({ range: [1, 2], autorange: false });
   });
@@ -41,12 +41,28 @@ describe("fitted", () => {
 describe("rangesFromRelayout", () => {
   it("reads a zoom back in the units of the axes", () => {
     const event = { "xaxis.range[0]": 2, "xaxis.range[1]": 8, "yaxis.range[0]": 0, "yaxis.range[1]": 2 };
-    expect(rangesFromRelayout(event, HEAT.layout)).toEqual({ x: [2, 8], y: [1, 100] });
-    expect(rangesFromRelayout({ "xaxis.range": [1, 3] }, HEAT.layout)).toEqual({ x: [1, 3] });
+    expect(rangesFromRelayout(event, HEAT.layout)).toEqual({ time_s: [2, 8], radius_um: [1, 100] });
+    expect(rangesFromRelayout({ "xaxis.range": [1, 3] }, HEAT.layout)).toEqual({ time_s: [1, 3] });
+  });
+
+  it("a shared range is in seconds and micrometres, whatever the axes count in, and wherever they stand", () => {
+    const turned = {
+      xaxis: { title: { text: "radius r (µm)" } },
+      yaxis2: { title: { text: "time t (min)" } },
+    };
+    expect(rangesFromRelayout({ "xaxis.range": [4, 9], "yaxis2.range": [1, 2] }, turned)).toEqual({
+      time_s: [60, 120],
+      radius_um: [4, 9],
+    });
+    const { layout } = fitted({ data: [], layout: turned }, { ...LOOK, ranges: { time_s: [60, 120] } });
+    expect(layout.yaxis2).toMatchObject({ range: [1, 2] });
+    expect(rangesFromRelayout({ "yaxis.range": [1, 2] }, { yaxis: { title: { text: "fraction" } } })).toEqual(
+      {},
+    );
   });
 
   it("tells a zoom that was taken back from one that did not happen", () => {
-    expect(rangesFromRelayout({ "xaxis.autorange": true }, HEAT.layout)).toEqual({ x: null });
+    expect(rangesFromRelayout({ "xaxis.autorange": true }, HEAT.layout)).toEqual({ time_s: null });
     expect(rangesFromRelayout({ width: 500 }, HEAT.layout)).toEqual({});
   });
 });

@@ -12,7 +12,10 @@ export type Layout = Json & { annotations?: Json[] };
 export type Figure = { data: Trace[]; layout: Layout };
 
 export type Range = [number, number];
-export type Ranges = { x?: Range; y?: Range };
+/** Ranges that all figures share, whichever of their axes shows them. */
+export type Ranges = { time_s?: Range; radius_um?: Range };
+/** What a zoom by hand changed; `null` where it was taken back. */
+export type RangeChange = { time_s?: Range | null; radius_um?: Range | null };
 
 export type Look = { isDark: boolean; height: number; width: number; ranges?: Ranges };
 
@@ -48,15 +51,29 @@ export function fitted({ data, layout }: Figure, look: Look): Figure {
       activecolor: ink,
     },
   };
-  for (const name of Object.keys(layout).filter((key) => /^[xy]axis\d*$/.test(key))) {
-    fittedLayout[name] = fittedAxis(layout[name] as Json, name, look);
+  for (const name of Object.keys(layout).filter(isAxis)) {
+    fittedLayout[name] = fittedAxis(layout[name] as Json, look);
   }
   return { data: data.map((trace) => fittedTrace(trace, ink, look.isDark)), layout: fittedLayout };
 }
 
-function fittedAxis(axis: Json, name: string, look: Look): Json {
+/** What an axis shows, where it is one of the shared ranges, and how much of its unit (s or um) is one on it. */
+function sharedAxis(axis: Json | undefined): { kind: keyof Ranges; factor: number } | null {
+  const title = (axis?.title as Json | undefined)?.text;
+  if (typeof title !== "string") return null;
+  const time = /^time t \((s|min|h)\)/.exec(title);
+  if (time) return { kind: "time_s", factor: { s: 1, min: 60, h: 3600 }[time[1] as "s" | "min" | "h"] };
+  return /\bradius r\b/.test(title) ? { kind: "radius_um", factor: 1 } : null;
+}
+
+function isAxis(name: string): boolean {
+  return /^[xy]axis\d*$/.test(name);
+}
+
+function fittedAxis(axis: Json, look: Look): Json {
   const colour = look.isDark ? LINE.dark : LINE.light;
-  const range = name === "xaxis" ? look.ranges?.x : name === "yaxis" ? look.ranges?.y : undefined;
+  const shared = sharedAxis(axis);
+  const range = shared && look.ranges?.[shared.kind]?.map((value) => value / shared.factor);
   const ranged = range
     ? { range: axis.type === "log" ? range.map(Math.log10) : range, autorange: false }
     : {};
@@ -144,19 +161,21 @@ function span(trace: Trace): number {
   return (trace.zmax ?? 0) - (trace.zmin ?? 0);
 }
 
-/** What a zoom by hand says of the ranges; `null` where it was taken back. Log axes speak in exponents. */
-export function rangesFromRelayout(event: Json, layout: Layout): { x?: Range | null; y?: Range | null } {
-  const changed: { x?: Range | null; y?: Range | null } = {};
-  for (const axis of ["x", "y"] as const) {
-    const name = `${axis}axis`;
-    const isLog = (layout[name] as Json | undefined)?.type === "log";
-    const [low, high] = (event[`${name}.range`] as Range | undefined) ?? [
+/** What a zoom by hand says of the shared ranges. Log axes speak in exponents. */
+export function rangesFromRelayout(event: Json, layout: Layout): RangeChange {
+  const changed: RangeChange = {};
+  for (const name of Object.keys(layout).filter(isAxis)) {
+    const axis = layout[name] as Json;
+    const shared = sharedAxis(axis);
+    if (!shared) continue;
+    const ends = (event[`${name}.range`] as unknown[] | undefined) ?? [
       event[`${name}.range[0]`],
       event[`${name}.range[1]`],
     ];
-    if (typeof low === "number" && typeof high === "number") {
-      changed[axis] = isLog ? [10 ** low, 10 ** high] : [low, high];
-    } else if (event[`${name}.autorange`] === true) changed[axis] = null;
+    if (ends.every((end) => typeof end === "number")) {
+      const range = (ends as number[]).map((end) => (axis.type === "log" ? 10 ** end : end) * shared.factor);
+      changed[shared.kind] = range as Range;
+    } else if (event[`${name}.autorange`] === true) changed[shared.kind] = null;
   }
   return changed;
 }

@@ -4,6 +4,8 @@ import {
   type FigureName,
   figuresGet,
   flowGet,
+  flowMapsGet,
+  qualityGet,
   type Run,
   resultFilesList,
   tailsGet,
@@ -12,6 +14,7 @@ import {
 import { ProblemError } from "../platform/problem";
 import { isActive } from "../runs/states";
 import { type Availability, availability, STAGES_OF } from "./availability";
+import type { Range } from "./figure";
 
 /** What grows is asked for anew at this pace. */
 const REFRESH_MS = 4_000;
@@ -82,6 +85,30 @@ export function tailsQuery(run: Run, frame: number, n_frames: number) {
     queryFn: ({ signal }) => orNotYet(available, () => tailsGet({ ...request, signal })),
     gcTime: KEEP_MS,
     structuralSharing: false,
+    ...freshness(available),
+  });
+}
+
+/** The flow of one step, or averaged over a range of time. */
+export function flowMapQuery(run: Run, when: { frame?: number; from_s?: number; to_s?: number }) {
+  const available = availability(run, "track");
+  return queryOptions({
+    queryKey: ["runs", run.id, "flow_map", when, available],
+    queryFn: ({ signal }) =>
+      orNotYet(available, () => flowMapsGet({ path: { run_id: run.id }, query: when, signal })),
+    gcTime: KEEP_MS,
+    structuralSharing: false,
+    ...freshness(available),
+  });
+}
+
+export function qualityQuery(run: Run, time_s?: Range) {
+  const available = availability(run, "track");
+  const query = { from_s: time_s?.[0], to_s: time_s?.[1] };
+  return queryOptions({
+    queryKey: ["runs", run.id, "quality", query, available],
+    queryFn: ({ signal }) =>
+      orNotYet(available, () => qualityGet({ path: { run_id: run.id }, query, signal })),
     ...freshness(available),
   });
 }

@@ -5,7 +5,7 @@ import { runSearch } from "./view";
 it("the address holds the whole view", () => {
   const search = {
     ...{ tab: "frames", frame: 12, t: "1..5", r: "4..40", at: 3.5, layers: ["next"], colour: "match" },
-    ...{ view: "2,10,20", droplet: 7, map: "vorticity", figure: "growth" },
+    ...{ view: "2,10,20", droplet: 7, map: "vorticity", mean: true, figure: "growth" },
   };
   expect(runSearch(search)).toEqual(search);
 });

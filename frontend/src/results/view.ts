@@ -1,12 +1,12 @@
 import { getRouteApi } from "@tanstack/react-router";
 import { useMemo } from "react";
 import { viewFromText } from "../frames/viewport";
-import type { rangesFromRelayout } from "./figure";
+import type { RangeChange, Ranges } from "./figure";
 import { rangeFromText, rangeToText } from "./ranges";
 
 const route = getRouteApi("/runs/$runId");
 
-export const TABS = ["sizes", "frames", "time", "summary", "files"] as const;
+export const TABS = ["sizes", "frames", "flow", "time", "quality", "summary", "files"] as const;
 export type Tab = (typeof TABS)[number];
 
 export const LAYERS = [
@@ -43,6 +43,8 @@ export type RunSearch = {
   droplet?: number;
   /** What is drawn below the arrows of the flow. */
   map?: string;
+  /** The mean flow over the range of time instead of one step. */
+  mean?: boolean;
   figure?: string;
 };
 
@@ -61,6 +63,7 @@ export function runSearch(search: Record<string, unknown>): RunSearch {
     view: viewFromText(asText(search.view)) && asText(search.view),
     droplet: Number.isInteger(asNumber(search.droplet)) ? asNumber(search.droplet) : undefined,
     map: asText(search.map),
+    mean: search.mean === true ? true : undefined,
     figure: asText(search.figure),
   };
 }
@@ -90,15 +93,16 @@ export function useView() {
 /** The ranges of time (s) and radius (um) that every plot of a run shares, kept in the address. */
 export function useSharedRanges() {
   const { search, change } = useView();
-  const time = useMemo(() => rangeFromText(search.t), [search.t]);
-  const radius = useMemo(() => rangeFromText(search.r), [search.r]);
-  /** What a zoom by hand changed; `null` takes a range back, what is not said stays. */
-  const zoom = ({ x, y }: ReturnType<typeof rangesFromRelayout>) => {
-    if (x === undefined && y === undefined) return;
+  const ranges = useMemo(
+    (): Ranges => ({ time_s: rangeFromText(search.t), radius_um: rangeFromText(search.r) }),
+    [search.t, search.r],
+  );
+  const zoom = ({ time_s, radius_um }: RangeChange) => {
+    if (time_s === undefined && radius_um === undefined) return;
     change({
-      ...(x === undefined ? {} : { t: x ? rangeToText(x) : undefined }),
-      ...(y === undefined ? {} : { r: y ? rangeToText(y) : undefined }),
+      ...(time_s === undefined ? {} : { t: time_s ? rangeToText(time_s) : undefined }),
+      ...(radius_um === undefined ? {} : { r: radius_um ? rangeToText(radius_um) : undefined }),
     });
   };
-  return { time, radius, zoom, clear: () => change({ t: undefined, r: undefined }) };
+  return { ranges, zoom, clear: () => change({ t: undefined, r: undefined }) };
 }

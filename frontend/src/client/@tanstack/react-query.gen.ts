@@ -3,8 +3,8 @@
 import { type InfiniteData, infiniteQueryOptions, queryOptions, type UseMutationOptions } from '@tanstack/react-query';
 
 import { client } from '../client.gen';
-import { dropletsGet, experimentsCreate, experimentsDelete, experimentsGet, experimentsList, experimentsUpdate, figuresGet, filesList, filesUpload, flowGet, framesPicture, healthGet, type Options, resultFilesDownload, resultFilesList, runsCancel, runsCreate, runsDelete, runsGet, runsList, runsListAll, runsRetry, schemasGetExperiment, schemasGetParameters, stackComplete, stackDelete, tailsGet, trajectoriesGet, uploadsCreate, uploadsGet, uploadsList, uploadsPlan, uploadsSend, uploadsTerminate } from '../sdk.gen';
-import type { DropletsGetData, DropletsGetError, DropletsGetResponse, ExperimentsCreateData, ExperimentsCreateError, ExperimentsCreateResponse, ExperimentsDeleteData, ExperimentsDeleteError, ExperimentsDeleteResponse, ExperimentsGetData, ExperimentsGetError, ExperimentsGetResponse, ExperimentsListData, ExperimentsListError, ExperimentsListResponse, ExperimentsUpdateData, ExperimentsUpdateError, ExperimentsUpdateResponse, FiguresGetData, FiguresGetError, FiguresGetResponse, FilesListData, FilesListError, FilesListResponse, FilesUploadData, FilesUploadError, FilesUploadResponse, FlowGetData, FlowGetError, FlowGetResponse, FramesPictureData, FramesPictureError, HealthGetData, HealthGetError, HealthGetResponse, ResultFilesDownloadData, ResultFilesDownloadError, ResultFilesDownloadResponse, ResultFilesListData, ResultFilesListError, ResultFilesListResponse, RunsCancelData, RunsCancelError, RunsCancelResponse, RunsCreateData, RunsCreateError, RunsCreateResponse, RunsDeleteData, RunsDeleteError, RunsDeleteResponse, RunsGetData, RunsGetError, RunsGetResponse, RunsListAllData, RunsListAllError, RunsListAllResponse, RunsListData, RunsListError, RunsListResponse, RunsRetryData, RunsRetryError, RunsRetryResponse, SchemasGetExperimentData, SchemasGetExperimentError, SchemasGetExperimentResponse, SchemasGetParametersData, SchemasGetParametersError, SchemasGetParametersResponse, StackCompleteData, StackCompleteError, StackCompleteResponse, StackDeleteData, StackDeleteError, StackDeleteResponse, TailsGetData, TailsGetError, TailsGetResponse, TrajectoriesGetData, TrajectoriesGetError, TrajectoriesGetResponse, UploadsCreateData, UploadsCreateError, UploadsGetData, UploadsGetError, UploadsGetResponse, UploadsListData, UploadsListError, UploadsListResponse, UploadsPlanData, UploadsPlanError, UploadsPlanResponse, UploadsSendData, UploadsSendError, UploadsSendResponse, UploadsTerminateData, UploadsTerminateError, UploadsTerminateResponse } from '../types.gen';
+import { dropletsGet, experimentsCreate, experimentsDelete, experimentsGet, experimentsList, experimentsUpdate, figuresGet, filesList, filesUpload, flowGet, flowMapsGet, framesPicture, healthGet, materialsGet, materialsGetPhaseDiagram, materialsGetViscosity, materialsList, type Options, qualityGet, rampsDownload, rampsGet, resultFilesDownload, resultFilesList, runsCancel, runsCreate, runsDelete, runsGet, runsList, runsListAll, runsRetry, schemasGetExperiment, schemasGetParameters, stackComplete, stackDelete, tailsGet, trajectoriesGet, uploadsCreate, uploadsGet, uploadsList, uploadsPlan, uploadsSend, uploadsTerminate } from '../sdk.gen';
+import type { DropletsGetData, DropletsGetError, DropletsGetResponse, ExperimentsCreateData, ExperimentsCreateError, ExperimentsCreateResponse, ExperimentsDeleteData, ExperimentsDeleteError, ExperimentsDeleteResponse, ExperimentsGetData, ExperimentsGetError, ExperimentsGetResponse, ExperimentsListData, ExperimentsListError, ExperimentsListResponse, ExperimentsUpdateData, ExperimentsUpdateError, ExperimentsUpdateResponse, FiguresGetData, FiguresGetError, FiguresGetResponse, FilesListData, FilesListError, FilesListResponse, FilesUploadData, FilesUploadError, FilesUploadResponse, FlowGetData, FlowGetError, FlowGetResponse, FlowMapsGetData, FlowMapsGetError, FlowMapsGetResponse, FramesPictureData, FramesPictureError, HealthGetData, HealthGetError, HealthGetResponse, MaterialsGetData, MaterialsGetError, MaterialsGetPhaseDiagramData, MaterialsGetPhaseDiagramError, MaterialsGetPhaseDiagramResponse, MaterialsGetResponse, MaterialsGetViscosityData, MaterialsGetViscosityError, MaterialsGetViscosityResponse, MaterialsListData, MaterialsListError, MaterialsListResponse, QualityGetData, QualityGetError, QualityGetResponse, RampsDownloadData, RampsDownloadError, RampsGetData, RampsGetError, RampsGetResponse, ResultFilesDownloadData, ResultFilesDownloadError, ResultFilesDownloadResponse, ResultFilesListData, ResultFilesListError, ResultFilesListResponse, RunsCancelData, RunsCancelError, RunsCancelResponse, RunsCreateData, RunsCreateError, RunsCreateResponse, RunsDeleteData, RunsDeleteError, RunsDeleteResponse, RunsGetData, RunsGetError, RunsGetResponse, RunsListAllData, RunsListAllError, RunsListAllResponse, RunsListData, RunsListError, RunsListResponse, RunsRetryData, RunsRetryError, RunsRetryResponse, SchemasGetExperimentData, SchemasGetExperimentError, SchemasGetExperimentResponse, SchemasGetParametersData, SchemasGetParametersError, SchemasGetParametersResponse, StackCompleteData, StackCompleteError, StackCompleteResponse, StackDeleteData, StackDeleteError, StackDeleteResponse, TailsGetData, TailsGetError, TailsGetResponse, TrajectoriesGetData, TrajectoriesGetError, TrajectoriesGetResponse, UploadsCreateData, UploadsCreateError, UploadsGetData, UploadsGetError, UploadsGetResponse, UploadsListData, UploadsListError, UploadsListResponse, UploadsPlanData, UploadsPlanError, UploadsPlanResponse, UploadsSendData, UploadsSendError, UploadsSendResponse, UploadsTerminateData, UploadsTerminateError, UploadsTerminateResponse } from '../types.gen';
 
 export type QueryKey<TOptions extends Options> = [
     Pick<TOptions, 'baseUrl' | 'body' | 'headers' | 'path' | 'query'> & {
@@ -524,6 +524,126 @@ export const healthGetOptions = (options?: Options<HealthGetData>) => queryOptio
     queryKey: healthGetQueryKey(options)
 });
 
+export const materialsListQueryKey = (options?: Options<MaterialsListData>) => createQueryKey('materialsList', options);
+
+/**
+ * Materials List
+ *
+ * List the materials that come with the software.
+ */
+export const materialsListOptions = (options?: Options<MaterialsListData>) => queryOptions<MaterialsListResponse, MaterialsListError, MaterialsListResponse, ReturnType<typeof materialsListQueryKey>>({
+    queryFn: async ({ queryKey, signal }) => {
+        const { data } = await materialsList({
+            ...options,
+            ...queryKey[0],
+            signal,
+            throwOnError: true
+        });
+        return data;
+    },
+    queryKey: materialsListQueryKey(options)
+});
+
+export const materialsGetQueryKey = (options: Options<MaterialsGetData>) => createQueryKey('materialsGet', options);
+
+/**
+ * Materials Get
+ *
+ * Get every property of a material at a temperature, and how fast droplets move in it.
+ */
+export const materialsGetOptions = (options: Options<MaterialsGetData>) => queryOptions<MaterialsGetResponse, MaterialsGetError, MaterialsGetResponse, ReturnType<typeof materialsGetQueryKey>>({
+    queryFn: async ({ queryKey, signal }) => {
+        const { data } = await materialsGet({
+            ...options,
+            ...queryKey[0],
+            signal,
+            throwOnError: true
+        });
+        return data;
+    },
+    queryKey: materialsGetQueryKey(options)
+});
+
+export const materialsGetPhaseDiagramQueryKey = (options: Options<MaterialsGetPhaseDiagramData>) => createQueryKey('materialsGetPhaseDiagram', options);
+
+/**
+ * Materials Get Phase Diagram
+ *
+ * Get the phase diagram of a mixture, as Plotly draws it.
+ */
+export const materialsGetPhaseDiagramOptions = (options: Options<MaterialsGetPhaseDiagramData>) => queryOptions<MaterialsGetPhaseDiagramResponse, MaterialsGetPhaseDiagramError, MaterialsGetPhaseDiagramResponse, ReturnType<typeof materialsGetPhaseDiagramQueryKey>>({
+    queryFn: async ({ queryKey, signal }) => {
+        const { data } = await materialsGetPhaseDiagram({
+            ...options,
+            ...queryKey[0],
+            signal,
+            throwOnError: true
+        });
+        return data;
+    },
+    queryKey: materialsGetPhaseDiagramQueryKey(options)
+});
+
+export const rampsGetQueryKey = (options: Options<RampsGetData>) => createQueryKey('rampsGet', options);
+
+/**
+ * Ramps Get
+ *
+ * Compute the temperature ramp that keeps the driving parameter constant.
+ */
+export const rampsGetOptions = (options: Options<RampsGetData>) => queryOptions<RampsGetResponse, RampsGetError, RampsGetResponse, ReturnType<typeof rampsGetQueryKey>>({
+    queryFn: async ({ queryKey, signal }) => {
+        const { data } = await rampsGet({
+            ...options,
+            ...queryKey[0],
+            signal,
+            throwOnError: true
+        });
+        return data;
+    },
+    queryKey: rampsGetQueryKey(options)
+});
+
+export const rampsDownloadQueryKey = (options: Options<RampsDownloadData>) => createQueryKey('rampsDownload', options);
+
+/**
+ * Ramps Download
+ *
+ * Download the set points of a ramp: `time_s`, `temperature_c` and `stage`, one row a second.
+ */
+export const rampsDownloadOptions = (options: Options<RampsDownloadData>) => queryOptions<unknown, RampsDownloadError, unknown, ReturnType<typeof rampsDownloadQueryKey>>({
+    queryFn: async ({ queryKey, signal }) => {
+        const { data } = await rampsDownload({
+            ...options,
+            ...queryKey[0],
+            signal,
+            throwOnError: true
+        });
+        return data;
+    },
+    queryKey: rampsDownloadQueryKey(options)
+});
+
+export const materialsGetViscosityQueryKey = (options: Options<MaterialsGetViscosityData>) => createQueryKey('materialsGetViscosity', options);
+
+/**
+ * Materials Get Viscosity
+ *
+ * Get the viscosities of a mixture against temperature, as Plotly draws them.
+ */
+export const materialsGetViscosityOptions = (options: Options<MaterialsGetViscosityData>) => queryOptions<MaterialsGetViscosityResponse, MaterialsGetViscosityError, MaterialsGetViscosityResponse, ReturnType<typeof materialsGetViscosityQueryKey>>({
+    queryFn: async ({ queryKey, signal }) => {
+        const { data } = await materialsGetViscosity({
+            ...options,
+            ...queryKey[0],
+            signal,
+            throwOnError: true
+        });
+        return data;
+    },
+    queryKey: materialsGetViscosityQueryKey(options)
+});
+
 export const runsListAllQueryKey = (options?: Options<RunsListAllData>) => createQueryKey('runsListAll', options);
 
 /**
@@ -691,6 +811,26 @@ export const resultFilesDownloadOptions = (options: Options<ResultFilesDownloadD
     queryKey: resultFilesDownloadQueryKey(options)
 });
 
+export const flowMapsGetQueryKey = (options: Options<FlowMapsGetData>) => createQueryKey('flowMapsGet', options);
+
+/**
+ * Flow Maps Get
+ *
+ * Get the flow with its speed, vorticity and divergence, at one step or averaged over a range of time.
+ */
+export const flowMapsGetOptions = (options: Options<FlowMapsGetData>) => queryOptions<FlowMapsGetResponse, FlowMapsGetError, FlowMapsGetResponse, ReturnType<typeof flowMapsGetQueryKey>>({
+    queryFn: async ({ queryKey, signal }) => {
+        const { data } = await flowMapsGet({
+            ...options,
+            ...queryKey[0],
+            signal,
+            throwOnError: true
+        });
+        return data;
+    },
+    queryKey: flowMapsGetQueryKey(options)
+});
+
 export const dropletsGetQueryKey = (options: Options<DropletsGetData>) => createQueryKey('dropletsGet', options);
 
 /**
@@ -749,6 +889,26 @@ export const tailsGetOptions = (options: Options<TailsGetData>) => queryOptions<
         return data;
     },
     queryKey: tailsGetQueryKey(options)
+});
+
+export const qualityGetQueryKey = (options: Options<QualityGetData>) => createQueryKey('qualityGet', options);
+
+/**
+ * Quality Get
+ *
+ * Get how well a run did over time.
+ */
+export const qualityGetOptions = (options: Options<QualityGetData>) => queryOptions<QualityGetResponse, QualityGetError, QualityGetResponse, ReturnType<typeof qualityGetQueryKey>>({
+    queryFn: async ({ queryKey, signal }) => {
+        const { data } = await qualityGet({
+            ...options,
+            ...queryKey[0],
+            signal,
+            throwOnError: true
+        });
+        return data;
+    },
+    queryKey: qualityGetQueryKey(options)
 });
 
 /**

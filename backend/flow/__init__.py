@@ -1,0 +1,1 @@
+"""The flow field as maps."""

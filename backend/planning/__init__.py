@@ -1,0 +1,1 @@
+"""Planning of experiments: materials, phase diagrams, temperature ramps."""
