@@ -41,19 +41,21 @@ def flow_map(steps: Iterable[Steps], *, is_every_cell_taken: bool = False) -> Fl
     """
     sums: list[Any] = [0.0, 0.0, 0.0]
     n_taken: Any = 0
+    n_computed: Any = 0
     n_steps = 0
     for velocity, is_interpolated in steps:
         known = np.isfinite(velocity).all(axis=1)
-        is_taken = known if is_every_cell_taken else known & ~is_interpolated
+        is_computed = known & ~is_interpolated
+        is_taken = known if is_every_cell_taken else is_computed
         u, v = (np.where(is_taken, velocity[:, axis], 0.0).astype(np.float64) for axis in (0, 1))
         for index, values in enumerate((u, v, u**2 + v**2)):
             sums[index] = sums[index] + values.sum(axis=0)
         n_taken = n_taken + is_taken.sum(axis=0)
+        n_computed = n_computed + is_computed.sum(axis=0)
         n_steps += len(velocity)
-    n_computed = np.asarray(n_taken, np.float64)
     with np.errstate(invalid="ignore", divide="ignore"):
-        u, v, squared = (np.asarray(total / n_computed, np.float64) for total in sums)
-    return FlowMap(u, v, np.sqrt(squared), n_computed / max(n_steps, 1))
+        u, v, squared = (np.asarray(total / n_taken, np.float64) for total in sums)
+    return FlowMap(u, v, np.sqrt(squared), np.asarray(n_computed / max(n_steps, 1), np.float64))
 
 
 def vorticity_per_s(u_um_s: Floats, v_um_s: Floats, x_um: Floats, y_um: Floats) -> Floats:

@@ -144,7 +144,7 @@ function flowPainter(map: FlowMap | null, quantity: Quantity | undefined) {
   const field = map && arrowsOf(fieldOfMap(map));
   const scale = map && quantity ? mapScale(map[QUANTITIES[quantity].field], quantity) : null;
   const below = map && quantity && scale ? mapPainter(map, quantity, scale) : null;
-  const arrows = overlayPainter({ droplets: null, field }, () => true);
+  const arrows = overlayPainter({ droplets: null, field, isOverMap: below !== null }, () => true);
   const paint: Painter = (pen, zoom) => {
     below?.(pen, zoom);
     arrows(pen, zoom);

@@ -19,7 +19,7 @@ it("a cell without a value is not painted", () => {
   const pen = new SvgPen();
   mapPainter(map, "speed", { low: 0, high: 2, isSigned: false })(pen, 1);
   expect(pen.elements).toHaveLength(1);
-  expect(pen.elements[0]).toContain('x="0" y="0"');
+  expect(pen.elements[0]).toContain('x="0"');
 });
 
 it("only quantities that are known are taken from the address", () => {

@@ -27,6 +27,8 @@ export type OverlayData = {
   /** Number of the trajectory that stands out. */
   chosen?: number;
   colouring?: { by: Colouring; scale: Scale };
+  /** Arrows stand over a coloured map, where only dark ones are seen everywhere. */
+  isOverMap?: boolean;
 };
 
 /** Everything over a frame: droplets now and next, where they come from, and the flow that carries them. */
@@ -42,7 +44,7 @@ export function overlayPainter(data: OverlayData, isShown: (layer: Layer) => boo
     for (const layer of ["interpolated", "flow"] as const) {
       if (!field || !isShown(layer)) continue;
       const isWanted = ({ isInterpolated }: Arrow) => isInterpolated === (layer === "interpolated");
-      paintArrows(pen, scale, field.arrows.filter(isWanted), layer);
+      paintArrows(pen, scale, field.arrows.filter(isWanted), layer, data.isOverMap);
     }
     if (droplets && data.chosen !== undefined) paintChosen(pen, scale, droplets, data.chosen);
   };
@@ -170,13 +172,13 @@ function paintChosen(pen: Pen, scale: number, droplets: FrameDroplets, chosen: n
 const HEAD_SHARE = 0.32;
 const HEAD_MAX = 8;
 
-function paintArrows(pen: Pen, scale: number, arrows: Arrow[], layer: Layer): void {
-  // A dark edge keeps arrows readable on bright droplets; interpolated ones stand back.
+function paintArrows(pen: Pen, scale: number, arrows: Arrow[], layer: Layer, isOverMap = false): void {
+  // An edge keeps arrows readable on bright droplets and on every colour of a map; interpolated ones stand back.
   const isFaint = layer === "interpolated";
   pen.globalAlpha = isFaint ? 0.75 : 1;
   for (const [colour, width] of [
-    ["rgba(0, 0, 0, 0.5)", isFaint ? 2.4 : 3.4],
-    [LAYER_COLOURS[layer], isFaint ? 1 : 1.7],
+    [isOverMap ? "rgba(255, 255, 255, 0.55)" : "rgba(0, 0, 0, 0.5)", isFaint ? 2.4 : 3.4],
+    [isOverMap ? "#111417" : LAYER_COLOURS[layer], isFaint ? 1 : 1.7],
   ] as const) {
     pen.strokeStyle = colour;
     pen.lineWidth = width;

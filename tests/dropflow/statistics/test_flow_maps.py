@@ -26,8 +26,10 @@ def test_only_computed_cells_count_and_a_cell_without_any_is_unknown() -> None:
 
 def test_of_one_step_interpolated_cells_are_shown_too() -> None:
     velocity = np.full((1, 2, 2, 2), 3.0)
-    found = flow_map([(velocity, np.ones((1, 2, 2), bool))], is_every_cell_taken=True)
+    is_interpolated = np.array([[[True, False], [True, True]]])
+    found = flow_map([(velocity, is_interpolated)], is_every_cell_taken=True)
     assert found.u_um_s.tolist() == [[3, 3], [3, 3]]
+    assert found.computed_share.tolist() == [[0, 1], [0, 0]]
 
 
 def test_a_solid_turn_has_twice_its_rate_as_vorticity_and_no_divergence() -> None:
