@@ -41,6 +41,8 @@ class Film:
     parameters: Parameters
     index: StackIndex
     measured: StackEstimate
+    temperature_log: Path | None = None
+    """The file that the experiment names."""
 
     @property
     def key(self) -> str:
@@ -61,7 +63,7 @@ def open_film(
     flat_field = open_image(paths["flat_field"]) if "flat_field" in paths else None
     with open_frames(source, Choice.of(experiment)) as frames:
         measured = pipeline.estimate(frames, experiment, parameters, flat_field=flat_field)
-    return Film(source, experiment, parameters, index, measured)
+    return Film(source, experiment, parameters, index, measured, paths.get("temperature_log"))
 
 
 def detect(film: Film, output: Path, *, n_processes: int, progress: Progress = silent) -> None:
@@ -86,8 +88,19 @@ def analyse(film: Film, output: Path, *, n_processes: int, progress: Progress = 
                 folder=work,
                 progress=progress,
             )
-        summary = pipeline.summary(work, film.index, film.experiment, film.parameters, film.measured)
-        (work / "summary.json").write_text(json.dumps(summary, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+            pipeline.analyse_film(
+                frames,
+                film.index,
+                film.experiment,
+                film.parameters,
+                film.measured,
+                tables=work,
+                folder=work,
+                progress=progress,
+            )
+            progress("analyse", 1, 1)
+        if film.temperature_log is not None:
+            shutil.copyfile(film.temperature_log, output / pipeline.TEMPERATURE_FILE)
         for name in pipeline.RESULT_FILES:
             _replace(work / name, output / name)
 

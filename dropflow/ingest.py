@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 import numpy as np
+import numpy.typing as npt
 
 from dropflow.documents import StrictModel
 from dropflow.errors import FramesError
@@ -14,6 +15,7 @@ from dropflow.frame_times import differing_times, frame_times_s
 from dropflow.frames import Choice, Files, Finding, Frame, Frames, open_frames, stack_files
 from dropflow.frames.findings import finding
 from dropflow.frames.numbering import Gap, Numbering, numbering
+from dropflow.physics.temperature_log import parse_temperature_log
 from dropflow.progress import Progress, silent
 
 _BLOCK_BYTES = 1 << 20
@@ -44,6 +46,8 @@ class StackIndex(StrictModel):
     dtype: str
     times_s: tuple[float, ...]
     """Time of each frame, seconds, strictly increasing."""
+    temperatures_c: tuple[float, ...] | None = None
+    """Temperature at each of these times, from the experiment's temperature log."""
     gaps: tuple[Gap, ...] = ()
     """Frames whose numbers are missing between the files' names."""
     warnings: tuple[Finding, ...] = ()
@@ -68,12 +72,16 @@ class StackIndex(StrictModel):
             update={"warnings": self.warnings + check.warnings, "broken_frames": check.broken_frames}
         )
 
-    def timed(self, experiment: Experiment) -> "StackIndex":
-        """The same with the times of an experiment whose frame interval was corrected; others stay as they were."""
+    def timed(self, experiment: Experiment, temperature_log: BinaryIO | None = None) -> "StackIndex":
+        """The same with the times of an experiment whose frame interval was corrected, and its temperatures then.
+
+        Other times stay as they were. `temperature_log` is the file that the experiment names.
+        """
         if experiment.frame_interval_s is None:
             return self
         times_s = frame_times_s(experiment, self.n_frames, gaps=self.gaps)
-        return self.model_copy(update={"times_s": tuple(times_s.tolist())})
+        temperatures_c = _temperatures_c(temperature_log, times_s)
+        return self.model_copy(update={"times_s": tuple(times_s.tolist()), "temperatures_c": temperatures_c})
 
 
 def index_stack(
@@ -120,12 +128,21 @@ def index_stack(
         n_columns=n_columns,
         dtype=dtype,
         times_s=tuple(times_s.tolist()),
+        temperatures_c=_temperatures_c(attached.get("temperature_log"), times_s),
         gaps=numbered.gaps,
         warnings=(*numbered.findings, *noticed),
         files=tuple(found),
         attachments=tuple(beside),
         sha256=_sha256_of_all([*found, *beside]),
     )
+
+
+def _temperatures_c(log: BinaryIO | None, times_s: npt.NDArray[np.float64]) -> tuple[float, ...] | None:
+    """Temperature at each time, if there is a log."""
+    if log is None:
+        return None
+    log.seek(0)
+    return tuple(parse_temperature_log(log).at(times_s).tolist())
 
 
 def check_frames(frames: Frames, progress: Progress = silent, *, max_share_broken: float = 0.0) -> FrameCheck:

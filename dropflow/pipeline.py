@@ -4,6 +4,7 @@ The command runs them in processes (`dropflow.analysis`), the service in shards:
 twice. No stage keeps more than a few frames in memory.
 """
 
+import json
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -16,21 +17,33 @@ from dropflow.detection import make_detector
 from dropflow.detection.unfamiliar import unfamiliar_share, warnings_of
 from dropflow.detections import DropletReader
 from dropflow.experiment import Experiment
+from dropflow.figures.example import EXAMPLE_FILE, Example, make_example
 from dropflow.frames import Frame, Frames
 from dropflow.ingest import StackIndex
 from dropflow.parameters import Parameters
 from dropflow.preprocess import StackEstimate, estimate_stack
 from dropflow.progress import Progress, silent
-from dropflow.statistics.summary import summarise
+from dropflow.report.frames import FrameSource
+from dropflow.report.page import make_report
+from dropflow.statistics.condensed import FILES, StoredCondensed, condense, write_condensed
+from dropflow.statistics.facts import FilmFacts
+from dropflow.statistics.findings import Findings
+from dropflow.statistics.summary import statistics_of, summarise
 from dropflow.tables import DROPLETS
 from dropflow.tracking import track
 
+SUMMARY_FILE = "summary.json"
+REPORT_FILE = "report.html"
+TEMPERATURE_FILE = "temperature_log.csv"
+"""The experiment's temperature log as it was, where it names one."""
+STATISTICS_FILES = (*FILES, EXAMPLE_FILE)
 RESULT_FILES = (
     "droplets.parquet",
     "trajectories.parquet",
     "rejected_trajectories.parquet",
     "flow.zarr",
-    "summary.json",
+    *STATISTICS_FILES,
+    SUMMARY_FILE,
 )
 """What a finished analysis consists of."""
 
@@ -98,12 +111,67 @@ def track_film(
         reader.close()
 
 
-def summary(
-    folder: Path, index: StackIndex, experiment: Experiment, parameters: Parameters, measured: StackEstimate
+def facts_of(index: StackIndex, experiment: Experiment, parameters: Parameters) -> FilmFacts:
+    """What statistics must know of a film."""
+    height_um, width_um = (side * experiment.pixel_size_um for side in index.shape)
+    about = provenance.provenance(experiment, parameters, index)
+    return FilmFacts(experiment, parameters, (width_um, height_um), index.n_frames, about)
+
+
+def analyse_film(
+    frames: Frames,
+    index: StackIndex,
+    experiment: Experiment,
+    parameters: Parameters,
+    measured: StackEstimate,
+    *,
+    tables: Path,
+    folder: Path,
+    progress: Progress = silent,
 ) -> dict[str, Any]:
-    """The numbers of ``summary.json`` from the tables and the flow field in `folder`, with warnings and provenance."""
-    return {
-        **summarise(folder, index, experiment),
+    """Condense the tables and the flow field in the folder `tables` to what figures are drawn from.
+
+    Writes `STATISTICS_FILES` and ``summary.json`` into `folder`, and returns what is in the latter.
+    """
+    facts = facts_of(index, experiment, parameters)
+    temperature_c = None if index.temperatures_c is None else np.array(index.temperatures_c)
+    condensed = condense(tables, facts, times_s=np.array(index.times_s), temperature_c=temperature_c, progress=progress)
+    write_condensed(condensed, folder, dict(facts.provenance))
+    middle = index.n_frames // 2
+    reader = DropletReader(tables / "droplets.parquet")
+    try:
+        droplets = reader(middle)
+    finally:
+        reader.close()
+    make_example(frames[middle], middle, droplets, experiment, parameters, measured).save(folder / EXAMPLE_FILE)
+    findings = Findings(facts, condensed)
+    summary = {
+        **summarise(tables, index, experiment, findings.material),
+        "statistics": statistics_of(findings),
         "warnings": warnings_of(measured),
-        "provenance": provenance.provenance(experiment, parameters, index),
+        "provenance": facts.provenance,
     }
+    unfinished = folder / f"{SUMMARY_FILE}.part"
+    unfinished.write_text(json.dumps(summary, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+    unfinished.replace(folder / SUMMARY_FILE)
+    return summary
+
+
+def write_film_report(
+    index: StackIndex,
+    experiment: Experiment,
+    parameters: Parameters,
+    summary: dict[str, Any],
+    *,
+    tables: Path,
+    folder: Path,
+) -> None:
+    """Write ``report.html`` into `folder`, where `analyse_film` has left its files; `tables` as there."""
+    found = Findings(facts_of(index, experiment, parameters), StoredCondensed(lambda name: (folder / name).open("rb")))
+    with (folder / EXAMPLE_FILE).open("rb") as file:
+        example = Example.load(file)
+    source = FrameSource(tables / "trajectories.parquet", tables / "flow.zarr", example)
+    page = make_report(found, summary, source).html
+    unfinished = folder / f"{REPORT_FILE}.part"
+    unfinished.write_text(page, encoding="utf-8")
+    unfinished.replace(folder / REPORT_FILE)

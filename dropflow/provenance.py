@@ -24,6 +24,7 @@ def provenance(experiment: Experiment, parameters: Parameters, index: StackIndex
         "parameters": parameters.model_dump(mode="json"),
         "experiment": experiment.model_dump(mode="json"),
         "input_sha256": index.sha256,
+        "attachments_sha256": {file.name: file.sha256 for file in index.attachments},
         "n_frames": index.n_frames,
         "units": UNITS,
     }

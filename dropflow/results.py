@@ -8,13 +8,14 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-import pyarrow.compute as pc
-import pyarrow.parquet as pq
 import zarr
 
 from dropflow.errors import ResultsError
 from dropflow.experiment import Experiment, parse_experiment
+from dropflow.figures.example import EXAMPLE_FILE, Example
 from dropflow.parameters import Parameters, parse_parameters
+from dropflow.statistics.condensed import FILES, Condensed, StoredCondensed, condense
+from dropflow.statistics.facts import FilmFacts
 
 
 @dataclass(frozen=True)
@@ -38,6 +39,15 @@ class Results:
     def flow(self) -> Path:
         """The flow field, a Zarr group."""
         return self.folder / "flow.zarr"
+
+    @cached_property
+    def example(self) -> Example | None:
+        """The frame that the analysis kept for the working panels."""
+        path = self.folder / EXAMPLE_FILE
+        if not path.is_file():
+            return None
+        with path.open("rb") as file:
+            return Example.load(file)
 
     @property
     def provenance(self) -> dict[str, Any]:
@@ -71,6 +81,18 @@ class Results:
         return self.field_um[0] * self.field_um[1]
 
     @cached_property
+    def facts(self) -> FilmFacts:
+        """What statistics must know."""
+        return FilmFacts(self.experiment, self.parameters, self.field_um, self.n_frames, self.provenance)
+
+    @cached_property
+    def condensed(self) -> Condensed:
+        """What the analysis left for figures; computed from the tables where that is not there."""
+        if all((self.folder / name).is_file() for name in FILES):
+            return StoredCondensed(lambda name: (self.folder / name).open("rb"))
+        return condense(self.folder, self.facts, times_s=self.times_s)
+
+    @cached_property
     def times_s(self) -> npt.NDArray[np.float64]:
         """Time of each frame, shape (n_frames,)."""
         interval_s = self.experiment.frame_interval_s
@@ -78,10 +100,6 @@ class Results:
             return interval_s * np.arange(self.n_frames, dtype=np.float64)
         steps_s = np.asarray(zarr.open_array(self.flow / "time_s", mode="r")[:], np.float64)
         return np.append(steps_s, float(self.summary["duration_s"]) + (steps_s[0] if len(steps_s) else 0.0))
-
-    def frame_of_table(self, path: Path, frame: int) -> Any:
-        """Rows of one frame of a table of droplets or trajectories, as an Arrow table."""
-        return pq.read_table(path, filters=pc.field("frame") == frame)
 
 
 def open_results(folder: Path) -> Results:

@@ -1,11 +1,13 @@
 """Task prepare: what all shards of a run share is measured once, and the frames are divided among them."""
 
 import io
+from contextlib import ExitStack
 
 from backend.platform.object_store import product_prefix
 from backend.platform.store_files import StoreFiles
 from dropflow import pipeline
 from dropflow.frames import Frame, open_frames
+from dropflow.ingest import StackIndex
 from dropflow.preprocess import StackEstimate
 from worker.context import Context
 from worker.fan_in import NewShard
@@ -21,8 +23,8 @@ def work(context: Context, lease: Lease) -> None:
     """Store index and estimate of the film, and put its detection on the list."""
     claim = lease.claim
     film, uploaded = load_film(context, claim)
-    index = uploaded.timed(film.experiment)  # the interval may have been corrected since the upload
     with lease.kept():
+        index = _timed(context, film, uploaded)
         measured = _measure(context, film)
     prefix = product_prefix(claim.experiment_id, claim.shard_id, claim.fence)
     context.store.put(prefix + INDEX_FILE, index.model_dump_json().encode())
@@ -36,6 +38,13 @@ def work(context: Context, lease: Lease) -> None:
         for frames in detect_ranges(index.n_frames, seconds, done)
     ]
     publish(context, claim, NewProduct(prefix), shards)
+
+
+def _timed(context: Context, film: Film, uploaded: StackIndex) -> StackIndex:
+    """The index with the times of today: the interval may have been corrected since the upload."""
+    with ExitStack() as opened:
+        logs = [opened.enter_context(context.store.open(key)) for key in film.files.get("temperature_log", {}).values()]
+        return uploaded.timed(film.experiment, logs[0] if logs else None)
 
 
 def _measure(context: Context, film: Film) -> StackEstimate:

@@ -10,8 +10,17 @@ from backend.platform import downloads
 from backend.platform.dependencies import PlatformDependency, SessionDependency, ViewerDependency
 from backend.platform.problems import InvalidRequest, responses
 from backend.results import service
-from backend.results.errors import FrameMissing, NotYet
-from backend.results.schemas import Figure, FigureName, FrameDroplets, FrameFlow, ResultFiles, Which
+from backend.results.errors import NoTable, NotOfThisFilm, NotYet
+from backend.results.schemas import (
+    Figure,
+    FigureEntries,
+    FigureName,
+    FigureQuery,
+    FrameDroplets,
+    FrameFlow,
+    ResultFiles,
+    Which,
+)
 from backend.results.service import Asker
 from backend.runs.errors import NoSuchRun
 from backend.stacks.errors import StackNotReady
@@ -29,27 +38,54 @@ def _asker(session: SessionDependency, viewer: ViewerDependency, run_id: UUID) -
 AskerDependency = Annotated[Asker, Depends(_asker, scope="function")]
 
 
+@router.get("/figures", responses=responses(NoSuchRun, InvalidRequest))
+def figures_list(asker: AskerDependency) -> FigureEntries:
+    """List the figures: what each shows, what it can be asked, and whether it is there by now."""
+    return FigureEntries(items=service.catalogue(asker))
+
+
 @router.get(
     "/figures/{name}",
     response_model=Figure,
-    responses=responses(NoSuchRun, NotYet, StackNotReady, FrameMissing, InvalidRequest),
+    responses=responses(NoSuchRun, NotYet, NotOfThisFilm, StackNotReady, InvalidRequest),
 )
 def figures_get(
     request: Request,
     platform: PlatformDependency,
     asker: AskerDependency,
     name: FigureName,
-    frame: Annotated[int | None, Query(ge=0, le=2**31 - 1, description="For `flow_field`: which frame.")] = None,
+    query: Annotated[FigureQuery, Query()],
 ) -> Response:
-    """Get a figure of what is done so far, as Plotly draws it."""
-    if name is FigureName.FLOW_FIELD and frame is not None:
-        experiment = asker.run().experiment
-        asker.product("track", frame)
+    """Get a figure as Plotly draws it, of what is done so far."""
+    frame = service.looks_at(name, query)
+    if frame is None:
+        return Response(service.figure(asker, platform.store, name, query), media_type="application/json")
+    experiment = asker.run().experiment
+    asker.product("track", query.frame)
+    image = None
+    if frame < (experiment.stack.n_frames or 0):
         image = read_frame(
             request.app.state.open_stacks, platform.store, asker.session, asker.viewer, experiment, frame
         )
-        return Response(service.flow_figure(asker, platform.store, image, frame), media_type="application/json")
-    return Response(service.film_figure(asker, name), media_type="application/json")
+    drawn = service.frame_figure(asker, platform.store, name, query, image)
+    return Response(drawn, media_type="application/json")
+
+
+@router.get(
+    "/figures/{name}/table.csv",
+    response_class=StreamingResponse,
+    responses={
+        200: {"content": {"text/csv": {}}, "description": "The table; its first line is a comment."},
+        **responses(NoSuchRun, NotYet, NotOfThisFilm, NoTable, InvalidRequest),
+    },
+)
+def figures_table(
+    platform: PlatformDependency, asker: AskerDependency, name: FigureName, query: Annotated[FigureQuery, Query()]
+) -> StreamingResponse:
+    """Download the numbers of a figure, of what is done so far."""
+    content = service.table(asker, platform.store, name, query)
+    headers = {"Content-Disposition": downloads.content_disposition(f"{name}.csv"), "X-Content-Type-Options": "nosniff"}
+    return StreamingResponse(content, media_type="text/csv", headers=headers)
 
 
 @router.get("/frames/{frame}/droplets", responses=responses(NoSuchRun, NotYet, InvalidRequest))

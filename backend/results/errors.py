@@ -1,9 +1,6 @@
 """What can be wrong about results."""
 
-from http import HTTPStatus
-
-from backend.platform.problems import NotFound, ServiceError
-from dropflow.errors import FieldProblem
+from backend.platform.problems import NotFound
 
 
 class NotYet(NotFound):
@@ -22,12 +19,15 @@ class NoSuchResult(NotFound):
         super().__init__("No run makes a result of this name.", code="not_found.result")
 
 
-class FrameMissing(ServiceError):
-    """The figure is of one frame, and none was given."""
+class NoTable(NotFound):
+    """A figure that is a picture, or needs more than a table."""
 
-    status = HTTPStatus.UNPROCESSABLE_ENTITY
+    def __init__(self, name: str) -> None:
+        super().__init__(f"The figure {name} has no table.", code="not_found.table", hint="See the list of figures.")
 
-    def __init__(self) -> None:
-        super().__init__(
-            "This figure is of one frame.", code="request.invalid", fields=[FieldProblem("frame", "is needed")]
-        )
+
+class NotOfThisFilm(NotFound):
+    """The experiment lacks what the figure shows."""
+
+    def __init__(self, reason: str) -> None:
+        super().__init__(reason, code="results.not_of_this_film")

@@ -28,6 +28,11 @@ def product(session: Session, viewer: Viewer, run_id: UUID, task: str, frame: in
     return session.scalar(query.limit(1))
 
 
+def done(session: Session, viewer: Viewer, run_id: UUID) -> set[str]:
+    """The tasks of a run that have left something."""
+    return set(session.scalars(_products(viewer, run_id).with_only_columns(Shard.task).distinct()))
+
+
 def sizes(session: Session, viewer: Viewer, run_id: UUID, task: str) -> list[bytes]:
     """The packed histograms of a task, as far as there are any."""
     return list(session.scalars(_summaries(viewer, run_id, task).with_only_columns(FrameSummary.sizes)))

@@ -1,19 +1,108 @@
 """Results as the API shows them."""
 
 from enum import StrEnum
-from typing import Any
+from typing import Annotated, Any
 
-from pydantic import BaseModel
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
+
+from dropflow.statistics.oscillations import Signal
 
 
 class FigureName(StrEnum):
-    """The figures of a run."""
+    """The figures of a run: `dropflow.figures.catalogue` says what each is."""
 
+    PHASE_DIAGRAM = "phase_diagram"
+    THRESHOLDING = "thresholding"
+    WATERSHED = "watershed"
+    MATCH = "match"
+    FLOW_FIELD = "flow_field"
+    DISPLACEMENT = "displacement"
+    FORWARD_TRACKING = "forward_tracking"
+    BACKWARD_TRACKING = "backward_tracking"
+    VELOCITY_AGAINST_RADIUS = "velocity_against_radius"
+    SELF_CALIBRATION = "self_calibration"
+    TRAJECTORY_LENGTHS = "trajectory_lengths"
+    OBSERVED_DEPTH = "observed_depth"
+    RADIUS_SCATTER = "radius_scatter"
     SIZE_DISTRIBUTION_BEFORE = "size_distribution_before"
     SIZE_DISTRIBUTION_AFTER = "size_distribution_after"
+    SIZE_DISTRIBUTION_AT = "size_distribution_at"
     MOMENTS = "moments"
-    FLOW_FIELD = "flow_field"
     FLOW_MOMENTS = "flow_moments"
+    FLOW_BINS = "flow_bins"
+    FLOW_CORRELATION = "flow_correlation"
+    OSCILLATIONS = "oscillations"
+    PERIODS = "periods"
+    TEMPERATURE = "temperature"
+    DRIVING = "driving"
+    GROWTH = "growth"
+    COLLISION_EFFICIENCY = "collision_efficiency"
+    COALESCENCE = "coalescence"
+    VISCOSITY = "viscosity"
+
+
+class FigureParameter(BaseModel):
+    """Something that can be asked of a figure, as a query parameter."""
+
+    name: str
+    kind: str
+    """`number`, `integer` or `choice`."""
+    unit: str | None
+    description: str
+    is_required: bool
+    low: float | None
+    """Of what there is in this run."""
+    high: float | None
+    choices: list[str] | None
+    default: str | None
+
+
+class FigureEntry(BaseModel):
+    """A figure that can be asked for."""
+
+    name: FigureName
+    title: str
+    paper: str
+    """Where the paper has it."""
+    group: str
+    """`sizes`, `droplets`, `flow`, `time`, `fluid` or `frame`."""
+    how: str
+    """How it is computed."""
+    docs: str
+    """Its page, below `docs/`."""
+    has_table: bool
+    """Whether its numbers can be had as `table.csv`."""
+    parameters: list[FigureParameter]
+    is_available: bool
+    reason: str | None
+    """Why it is not."""
+
+
+class FigureEntries(BaseModel):
+    """All figures, in the order of the paper."""
+
+    items: list[FigureEntry]
+
+
+class FigureQuery(BaseModel):
+    """What can be asked of figures. Each takes some of these: see the list of figures."""
+
+    model_config = ConfigDict(extra="forbid", use_attribute_docstrings=True)
+
+    from_s: FiniteFloat | None = None
+    """Leave out what is before."""
+    to_s: FiniteFloat | None = None
+    """Leave out what is after."""
+    radius_min_um: Annotated[FiniteFloat, Field(gt=0)] | None = None
+    """Leave out smaller droplets."""
+    radius_max_um: Annotated[FiniteFloat, Field(gt=0)] | None = None
+    """Leave out larger droplets."""
+    signal: Signal | None = None
+    """In what oscillations are looked for."""
+    frame: Annotated[int, Field(ge=0, le=2**31 - 1)] | None = None
+    """Which frame."""
+    trajectory: Annotated[int, Field(ge=0, le=2**63 - 1)] | None = None
+    """Which trajectory."""
 
 
 class Figure(BaseModel):

@@ -12,11 +12,17 @@ from backend.platform.entity_tags import tag_of_bytes
 from backend.platform.object_store import ObjectStore
 from backend.platform.visibility import Viewer
 from backend.platform.zip_stream import part, zip_stream
-from backend.results import figures, frames, repository
-from backend.results.errors import FrameMissing, NoSuchResult, NotYet
-from backend.results.schemas import FigureName, FrameDroplets, FrameFlow, ResultFile, Which
+from backend.results import figures, film, frames, repository
+from backend.results.catalogue import checked, entries
+from backend.results.errors import NoSuchResult, NoTable, NotOfThisFilm, NotYet
+from backend.results.schemas import FigureEntry, FigureName, FigureQuery, FrameDroplets, FrameFlow, ResultFile, Which
 from backend.runs.service import get as get_run
+from dropflow.figures.catalogue import Entry, Needs
+from dropflow.figures.example import WORKING_PANELS
 from dropflow.frames import Frame
+from dropflow.statistics.condensed import Condensed
+from dropflow.statistics.facts import FilmFacts
+from dropflow.statistics.findings import Findings
 
 ZIPPED_FOLDER = ".zarr.zip"
 
@@ -41,19 +47,9 @@ class Asker:
             raise NotYet
         return found
 
-    def sizes(self, *tasks: str) -> list[bytes]:
-        """Packed histograms of the first of `tasks` that has any."""
-        for task in tasks:
-            if found := repository.sizes(self.session, self.viewer, self.run_id, task):
-                return found
-        raise NotYet
-
-    def flow(self) -> bytes:
-        """Packed moments of the flow."""
-        found = repository.flow(self.session, self.viewer, self.run_id)
-        if found is None:
-            raise NotYet
-        return found
+    def done(self) -> set[str]:
+        """The tasks that have left something."""
+        return repository.done(self.session, self.viewer, self.run_id)
 
     def shape(self) -> tuple[int, int]:
         """Rows and columns of the frames."""
@@ -75,25 +71,72 @@ def flow(asker: Asker, store: ObjectStore, frame: int) -> FrameFlow:
     return frames.flow(store, asker.product("track", frame), frame)
 
 
-def film_figure(asker: Asker, name: FigureName) -> str:
+def catalogue(asker: Asker) -> list[FigureEntry]:
+    """All figures, and which of them there are by now."""
+    run = asker.run()
+    stack = run.experiment.stack
+    facts = film.facts_of(run, (stack.rows or 1, stack.columns or 1))
+    return entries(facts, asker.done(), duration_s=stack.duration_s or 0.0)
+
+
+def figure(asker: Asker, store: ObjectStore, name: FigureName, query: FigureQuery) -> str:
     """A figure of the whole film, as Plotly JSON."""
-    run, shape = asker.run(), asker.shape()
-    if name is FigureName.SIZE_DISTRIBUTION_BEFORE:
-        return figures.as_json(figures.size_distribution(run, shape, "detect", asker.sizes("detect")))
-    if name is FigureName.SIZE_DISTRIBUTION_AFTER:
-        return figures.as_json(figures.size_distribution(run, shape, "track", asker.sizes("track")))
-    if name is FigureName.MOMENTS:
-        return figures.as_json(figures.moments(run, shape, asker.sizes("track", "detect")))
-    if name is FigureName.FLOW_MOMENTS:
-        return figures.as_json(figures.flow_moments(run, asker.flow()))
-    raise FrameMissing
+    entry = checked(name, query)
+    if name in WORKING_PANELS:
+        return figures.working_panel(entry, _facts(asker, entry), store, asker.product("analyse"))
+    return figures.of_film(entry, _findings(asker, store, entry, query))
 
 
-def flow_figure(asker: Asker, store: ObjectStore, image: Frame, frame: int) -> str:
-    """The flow field over its frame, as Plotly JSON."""
-    product = asker.product("track", frame)
-    found, seen = frames.flow(store, product, frame), frames.tracked(store, product, frame)
-    return figures.as_json(figures.flow_field(asker.run(), found, seen, image))
+def table(asker: Asker, store: ObjectStore, name: FigureName, query: FigureQuery) -> Iterator[bytes]:
+    """The numbers of a figure as CSV, piece by piece."""
+    entry = checked(name, query)
+    if entry.table is None:
+        raise NoTable(name)
+    return figures.table_of(entry, _findings(asker, store, entry, query))
+
+
+def looks_at(name: FigureName, query: FigureQuery) -> int | None:
+    """The frame that is the background of a figure, if it has one."""
+    entry = checked(name, query)
+    if entry.draw is not None or name in WORKING_PANELS or query.frame is None:
+        return None
+    other = {"forward_tracking": 1, "backward_tracking": -1}.get(name, 0)
+    return max(query.frame + other, 0)
+
+
+def frame_figure(asker: Asker, store: ObjectStore, name: FigureName, query: FigureQuery, image: Frame | None) -> str:
+    """A figure of one frame, as Plotly JSON."""
+    entry = checked(name, query)
+    tracked = asker.product("track", query.frame)
+    return figures.of_frame(entry, _facts(asker, entry), store, tracked, query, image)
+
+
+def _facts(asker: Asker, entry: Entry) -> FilmFacts:
+    facts = film.facts_of(asker.run(), asker.shape())
+    if missing := entry.missing(facts):
+        raise NotOfThisFilm(missing)
+    return facts
+
+
+def _findings(asker: Asker, store: ObjectStore, entry: Entry, query: FigureQuery) -> Findings:
+    facts = _facts(asker, entry)
+    return figures.findings(facts, _condensed(asker, store, entry, facts), query)
+
+
+def _condensed(asker: Asker, store: ObjectStore, entry: Entry, facts: FilmFacts) -> Condensed:
+    """What the analysis left, or while it is not complete what the stages before have counted."""
+    done = asker.done()
+    if "analyse" in done:
+        return film.stored(store, asker.product("analyse"))
+    if entry.needs is not Needs.NOTHING and entry.needs not in done:
+        raise NotYet
+    session, viewer, run_id = asker.session, asker.viewer, asker.run_id
+    return film.LiveCondensed(
+        facts,
+        detected=lambda: repository.sizes(session, viewer, run_id, "detect"),
+        tracked=lambda: repository.sizes(session, viewer, run_id, "track"),
+        flow=lambda: repository.flow(session, viewer, run_id),
+    )
 
 
 def files(asker: Asker) -> list[ResultFile]:
@@ -126,6 +169,11 @@ RESULT_NAMES = (
     "trajectories.parquet",
     "rejected_trajectories.parquet",
     "flow.zarr.zip",
+    "trajectory_summary.parquet",
+    "coalescences.parquet",
+    "statistics.npz",
+    "example.npz",
+    "report.html",
     "summary.json",
 )
 

@@ -18,6 +18,7 @@ from dropflow.figures.layout import (
     time_axis,
 )
 from dropflow.statistics.histograms import FrameHistograms, coarsen
+from dropflow.statistics.in_sight import InSight
 from dropflow.statistics.size_distribution import PERCENTILES, size_moments
 
 Floats = npt.NDArray[np.float64]
@@ -28,17 +29,18 @@ def moments(
     *,
     area_um2: float,
     observation_depth_um: float | Floats | None = None,
+    seen: InSight | None = None,
     title: str = "Moments of the size distribution",
     caption: str = "",
     max_columns: int = MAX_COLUMNS,
 ) -> go.Figure:
     """Three panels over time: droplets per frame, radii (mean, Sauter, percentiles) and volume or area fraction.
 
-    Bands are one standard deviation as if droplets were independent (Poisson).
+    Bands are one standard deviation; with `seen`, a droplet that is seen in several frames counts as one.
     """
     figure = new_figure(title, caption, height_px=760)
     shown = coarsen(histograms, max_columns)
-    found = size_moments(shown, area_um2=area_um2, observation_depth_um=observation_depth_um)
+    found = size_moments(shown, area_um2=area_um2, observation_depth_um=observation_depth_um, seen=seen)
     factor, unit = time_axis(shown.time_s)
     breaks = np.flatnonzero(shown.first_frame[1:] > shown.last_frame[:-1] + 1) + 1
     lines = _Lines(figure, shown.time_s * factor, breaks)

@@ -1,11 +1,21 @@
-"""The droplet size distribution over time as a heat map (Fig. 13) and at one time as a curve."""
+"""The droplet size distribution over time as a heat map (Fig. 13), and over a range of times as a curve."""
 
 import numpy as np
 import numpy.typing as npt
 import plotly.graph_objects as go
 
-from dropflow.figures.layout import MAX_COLUMNS, SEQUENTIAL, log_colour_bar, new_figure, say_empty, time_axis
+from dropflow.figures.layout import (
+    BLUE,
+    MAX_COLUMNS,
+    SEQUENTIAL,
+    SKY,
+    log_colour_bar,
+    new_figure,
+    say_empty,
+    time_axis,
+)
 from dropflow.statistics.histograms import FrameHistograms, coarsen
+from dropflow.statistics.in_sight import InSight
 from dropflow.statistics.size_distribution import DensityUnit
 from dropflow.statistics.size_distribution import size_distribution as density_of
 
@@ -62,6 +72,44 @@ def size_distribution(
             hovertemplate=f"t %{{x:.4g}} {unit}<br>r %{{y:.3g}} µm<br>n 10^%{{z:.2f}} {density.unit}<extra></extra>",
         )
     )
+
+
+def size_distribution_at(
+    before: FrameHistograms,
+    after: FrameHistograms,
+    *,
+    area_um2: float,
+    observation_depth_um: float | Floats | None = None,
+    seen: InSight | None = None,
+    title: str = "Droplet size distribution of a range of times",
+    caption: str = "",
+) -> go.Figure:
+    """Number density against radius, all frames of both histograms together, with standard deviations.
+
+    `before` are all detections, `after` droplets of trajectories; either may have no column.
+    """
+    figure = new_figure(title, caption)
+    figure.update_xaxes(title_text="radius r (µm)", type="log", range=np.log10(before.edges_um[[0, -1]]).tolist())
+    figure.update_xaxes(tickmode="array", tickvals=_radius_ticks(before.edges_um))
+    figure.update_layout(legend={"orientation": "h", "y": 1.0, "yanchor": "bottom", "x": 1, "xanchor": "right"})
+    is_empty = True
+    for part, name, colour in ((before, "all detections", SKY), (after, "in trajectories", BLUE)):
+        found = density_of(coarsen(part, 1), area_um2=area_um2, observation_depth_um=observation_depth_um, seen=seen)
+        figure.update_yaxes(title_text=DENSITY_TITLES[found.unit], type="log", exponentformat="power")
+        if not found.density.any():
+            continue
+        is_empty = False
+        known = found.density[0] > 0
+        figure.add_scatter(
+            x=part.radius_um[known],
+            y=found.density[0][known],
+            error_y={"array": found.density_std[0][known]},
+            mode="lines+markers",
+            marker={"size": 5},
+            line={"color": colour, "width": 1},
+            name=name,
+        )
+    return say_empty(figure, "no droplets") if is_empty else figure
 
 
 def _with_gaps(histograms: FrameHistograms, values: Floats) -> tuple[Floats, Floats]:

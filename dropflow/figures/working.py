@@ -73,7 +73,7 @@ def thresholding(
             _Panel("d", image, "Greys_r", found, VERMILION),
         ],
         title,
-        caption or f"(a) prepared frame, (b) brighter than {level:.3g}, (c) distance to the background, (d) droplets.",
+        f"(a) prepared frame, (b) brighter than {level:.3g}, (c) distance to the background, (d) droplets. {caption}",
     )
 
 
@@ -106,9 +106,8 @@ def watershed(
             _Panel("d", image, "Greys_r", found, VERMILION),
         ],
         title,
-        caption
-        or "(a) prepared frame, (b) markers of droplets (red) and background (blue), (c) gradient with watershed "
-        "lines (white), (d) droplets.",
+        "(a) prepared frame, (b) markers of droplets (red) and background (blue), (c) gradient with watershed lines "
+        f"(white), (d) droplets. {caption}",
     )
 
 
@@ -136,7 +135,7 @@ def match(
     figure = _four(
         [_Panel("a", image, "Greys_r", disk, VERMILION)],
         title,
-        caption or "(a) disk (red) and ring (blue); match against (b) radius, (c) x and (d) y; dashed: the droplet.",
+        f"(a) disk (red) and ring (blue); match against (b) radius, (c) x and (d) y; dashed: the droplet. {caption}",
     )
     figure.add_trace(circles(ring.x_px, ring.y_px, ring.r_px, name="ring", colour=BLUE))
     for number, (name, at, places) in enumerate(curves, start=2):

@@ -3,6 +3,7 @@
 import csv
 from dataclasses import dataclass
 from pathlib import Path
+from typing import BinaryIO
 
 import numpy as np
 import numpy.typing as npt
@@ -14,6 +15,7 @@ Floats = npt.NDArray[np.float64]
 
 COLUMNS = ("time_s", "temperature_c")
 LONGEST_GAP_S = 120.0
+MOST_BYTES = 64 << 20
 _LEAST_KELVIN = 200.0
 
 
@@ -44,7 +46,27 @@ class TemperatureLog:
 
 
 def read_temperature_log(path: Path, *, longest_gap_s: float = LONGEST_GAP_S) -> TemperatureLog:
+    """Read a CSV file from disk: see `parse_temperature_log`."""
+    try:
+        with path.open("rb") as file:
+            return parse_temperature_log(file, name=str(path), longest_gap_s=longest_gap_s)
+    except OSError:
+        raise _problem("cannot be read as text", file=str(path)) from None
+
+
+def parse_temperature_log(
+    source: BinaryIO, *, name: str | None = None, longest_gap_s: float = LONGEST_GAP_S
+) -> TemperatureLog:
     """Read a CSV file with the columns ``time_s`` and ``temperature_c``.
+
+    Parameters
+    ----------
+    source
+        Open for reading; at most `MOST_BYTES` long.
+    name
+        What errors call it.
+    longest_gap_s
+        Time without an entry beyond which a temperature between would be a guess.
 
     Raises
     ------
@@ -52,25 +74,28 @@ def read_temperature_log(path: Path, *, longest_gap_s: float = LONGEST_GAP_S) ->
         Field ``temperature_log``: columns of other names or units, a number that is none, times that do not rise, a
         gap longer than `longest_gap_s`, or temperatures that can only be kelvin.
     """
+    content = source.read(MOST_BYTES + 1)
+    if len(content) > MOST_BYTES:
+        raise _problem(f"is longer than {MOST_BYTES >> 20} MiB: thin it out", file=name)
     try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError):
-        raise _problem("cannot be read as text", file=path) from None
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise _problem("cannot be read as text", file=name) from None
     rows = csv.DictReader(text.splitlines())
     if rows.fieldnames is None or not set(COLUMNS) <= set(rows.fieldnames):
         found = ", ".join(rows.fieldnames or []) or "none"
-        raise _problem(f"must have the columns time_s (seconds) and temperature_c (°C), not {found}", file=path)
+        raise _problem(f"must have the columns time_s (seconds) and temperature_c (°C), not {found}", file=name)
     values = np.empty((0, 2))
     try:
         values = np.array([[float(row[name]) for name in COLUMNS] for row in rows]).reshape(-1, 2)
     except (TypeError, ValueError):
-        raise _problem("has an entry that is not a number", file=path) from None
+        raise _problem("has an entry that is not a number", file=name) from None
     log = TemperatureLog(values[:, 0], values[:, 1])
-    _check(log, path, longest_gap_s)
+    _check(log, name, longest_gap_s)
     return log
 
 
-def _check(log: TemperatureLog, path: Path, longest_gap_s: float) -> None:
+def _check(log: TemperatureLog, path: str | None, longest_gap_s: float) -> None:
     if len(log.time_s) < 2:
         raise _problem("needs two entries at least", file=path)
     if not (np.isfinite(log.time_s).all() and np.isfinite(log.temperature_c).all()):
@@ -86,11 +111,11 @@ def _check(log: TemperatureLog, path: Path, longest_gap_s: float) -> None:
         raise _problem(f"begins at {log.temperature_c[0]:g}: this can only be kelvin, °C are asked for", file=path)
 
 
-def _problem(message: str, *, file: Path | None = None) -> ExperimentError:
+def _problem(message: str, *, file: str | None = None) -> ExperimentError:
     return ExperimentError(
         "The temperature log cannot be used.",
         code="experiment.temperature_log",
-        file=None if file is None else str(file),
+        file=file,
         fields=[FieldProblem("temperature_log", message)],
     )
 
@@ -106,6 +131,17 @@ class Driving:
     """xi = d ln(Phi_0(T)) / dt."""
     driving_std_per_s: Floats
     """Standard error of the slope in its window."""
+
+    @property
+    def mean_per_s(self) -> float:
+        """Mean over the windows; NaN where there is none."""
+        return float(self.driving_per_s.mean()) if len(self.driving_per_s) else np.nan
+
+    @property
+    def mean_std_per_s(self) -> float:
+        """Standard error of the mean, from the scatter between windows; NaN for fewer than two."""
+        n = len(self.driving_per_s)
+        return float(self.driving_per_s.std(ddof=1) / np.sqrt(n)) if n > 1 else np.nan
 
 
 def driving_from_log(log: TemperatureLog, binodal: Binodal, *, window_s: float = 600.0) -> Driving:

@@ -1,29 +1,31 @@
 """What a report says in words: warnings, methods, and the numbers at a glance."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
-from dropflow.physics.material_files import find_material
-from dropflow.report.findings import Findings
-from dropflow.results import Results
+from dropflow.statistics.findings import Findings
+
+Summary = Mapping[str, Any]
+"""What ``summary.json`` holds."""
 
 _FEW_TRAJECTORIES = 100
 _MUCH_PREDICTED = 0.3
 
 
-def warnings_of(results: Results, found: Findings) -> list[str]:
+def warnings_of(found: Findings, summary: Summary) -> list[str]:
     """What a reader must know before trusting the figures, in plain words."""
-    said = []
-    calibration = found.calibration.warning(found.expected_calibration_s_m2)
+    said = [str(warning["message"]) for warning in summary.get("warnings", [])]
+    calibration = found.calibration.warning()
     if calibration:
         said.append(calibration)
-    name = results.experiment.material
-    if isinstance(name, str) and find_material(name).is_illustrative:
-        said.append(f"The material {name} is illustrative: its binodal and densities are not measured.")
+    material = found.facts.material_file
+    if material is not None and material.is_illustrative:
+        said.append(f"The material {material.name} is illustrative: its binodal and densities are not measured.")
     if len(found.trajectories) < _FEW_TRAJECTORIES:
         said.append(f"There are only {len(found.trajectories)} trajectories: all statistics are uncertain.")
-    predicted = results.summary.get("tracked", {}).get("found_by_prediction_share")
+    predicted = summary.get("tracked", {}).get("found_by_prediction_share")
     if predicted is not None and predicted > _MUCH_PREDICTED:
         said.append(f"{100 * predicted:.0f} % of the droplets were found by prediction only: look at detection.")
     n_uncertain = int((~found.oscillations.is_certain).sum())
@@ -31,19 +33,19 @@ def warnings_of(results: Results, found: Findings) -> list[str]:
         said.append(f"{n_uncertain} of {len(found.oscillations.peak_s)} oscillations are uncertain.")
     if found.depth_um is None:
         said.append("The observed depth is unknown: densities are per area.")
-    elif results.experiment.observation_depth_um is None:
+    elif found.facts.experiment.observation_depth_um is None:
         said.append("The observed depth is an estimate from trajectories: give observation_depth_um if you know it.")
     return said
 
 
-def methods_of(results: Results, found: Findings) -> str:
+def methods_of(found: Findings, summary: Summary) -> str:
     """A paragraph for the methods section of a paper."""
-    experiment, parameters = results.experiment, results.parameters
+    experiment, parameters = found.facts.experiment, found.facts.parameters
     detection = parameters.detection
     return (
-        f"{results.n_frames} frames of {results.field_um[0]:.0f} × {results.field_um[1]:.0f} µm² "
-        f"({experiment.pixel_size_um:g} µm per pixel) over {float(results.summary['duration_s']):.0f} s were analysed "
-        f"with Dropflow {results.provenance['dropflow_version']} (detection: {detection.method}, tracking: "
+        f"{found.facts.n_frames} frames of {found.facts.field_um[0]:.0f} × {found.facts.field_um[1]:.0f} µm² "
+        f"({experiment.pixel_size_um:g} µm per pixel) over {float(summary['duration_s']):.0f} s were analysed "
+        f"with Dropflow {found.facts.provenance['dropflow_version']} (detection: {detection.method}, tracking: "
         f"{parameters.tracking.method}) after Lapp, Rohloff, Vollmer and Hof, Particle tracking for polydisperse "
         f"sedimenting droplets in phase separation, Exp. Fluids. Droplets with radii from {detection.radius_min_um:g} "
         f"to {detection.radius_max_um:g} µm were detected. Their velocities were split into the Stokes velocity "
@@ -53,23 +55,23 @@ def methods_of(results: Results, found: Findings) -> str:
     )
 
 
-def numbers_of(results: Results, found: Findings) -> dict[str, str]:
+def numbers_of(found: Findings, summary: Summary) -> dict[str, str]:
     """The numbers at a glance, with units."""
-    tracked = results.summary["tracked"]
+    tracked = summary["tracked"]
     calibration, law = found.calibration, found.oscillations.period_s
-    rejected = results.summary.get("n_rejected_trajectories", {})
+    rejected = summary.get("n_rejected_trajectories", {})
     return {
-        "frames": str(results.n_frames),
-        "duration": f"{float(results.summary['duration_s']):.1f} s",
-        "droplets detected": str(results.summary["detected"]["n_droplets"]),
+        "frames": str(found.facts.n_frames),
+        "duration": f"{float(summary['duration_s']):.1f} s",
+        "droplets detected": str(summary["detected"]["n_droplets"]),
         "droplets in trajectories": str(tracked["n_droplets"]),
         "trajectories": str(len(found.trajectories)),
         "rejected trajectories": ", ".join(f"{count} {reason}" for reason, count in rejected.items()) or "none",
         "mean radius": _with_unit(tracked["mean_radius_um"], "µm"),
         "Sauter radius": _with_unit(tracked["sauter_radius_um"], "µm"),
-        "relative scatter of radii": _with_unit(100 * found.scatter.relative, "%"),
+        "relative scatter of radii": _with_error(100 * found.scatter.relative, 100 * found.scatter.relative_std, "%"),
         "Δρ/η from velocities": _with_error(calibration.density_over_viscosity_s_m2, calibration.std_s_m2, "s/m²"),
-        "Δρ/η of the material": _with_unit(found.expected_calibration_s_m2, "s/m²"),
+        "Δρ/η of the material": _with_unit(found.calibration.expected_s_m2, "s/m²"),
         "correlation length of the flow": _with_error(
             found.correlation.length_um, found.correlation.length_std_um, "µm"
         ),
@@ -77,8 +79,14 @@ def numbers_of(results: Results, found: Findings) -> dict[str, str]:
         "coalescences": str(len(found.events)),
         "oscillations": str(len(found.oscillations.peak_s)),
         "mean period": _with_unit(float(law.mean()) if len(law) else None, "s"),
+        "driving parameter ξ": _driving(found),
         "depth over radius": _with_error(found.depth.per_radius, found.depth.per_radius_std, ""),
     }
+
+
+def _driving(found: Findings) -> str:
+    driving = found.driving
+    return "not known" if driving is None else _with_error(driving.mean_per_s, driving.mean_std_per_s, "1/s")
 
 
 def _with_unit(value: float | None, unit: str) -> str:
@@ -91,11 +99,11 @@ def _with_error(value: float, std: float, unit: str) -> str:
     return f"{value:.4g} ± {std:.2g} {unit}".strip() if np.isfinite(std) else f"{value:.4g} {unit}".strip()
 
 
-def parameters_of(results: Results) -> dict[str, Any]:
+def parameters_of(found: Findings) -> dict[str, Any]:
     """Experiment and parameters as one document."""
     return {
-        "experiment": results.experiment.model_dump(mode="json", exclude_none=True),
-        "parameters": results.parameters.model_dump(mode="json"),
-        "input_sha256": results.provenance["input_sha256"],
-        "dropflow_version": results.provenance["dropflow_version"],
+        "experiment": found.facts.experiment.model_dump(mode="json", exclude_none=True),
+        "parameters": found.facts.parameters.model_dump(mode="json"),
+        "input_sha256": found.facts.provenance["input_sha256"],
+        "dropflow_version": found.facts.provenance["dropflow_version"],
     }

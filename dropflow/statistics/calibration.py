@@ -1,15 +1,24 @@
 """Density difference over viscosity from the droplets' own velocities: a check of pixel size and material."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
+import numpy.typing as npt
 import polars as pl
+import pyarrow.parquet as pq
 
 from dropflow.physics.stokes import GRAVITY_M_S2
 
+Floats = npt.NDArray[np.float64]
+Integers = npt.NDArray[np.int64]
+
 N_COLUMNS, N_ROWS = 8, 8
 N_SIGMA_WARNING = 3.0
+_LEAST_DEVIATION = 0.05
 _M_PER_UM = 1e-6
+_ROWS_AT_ONCE = 1 << 18
 
 
 @dataclass(frozen=True)
@@ -17,32 +26,57 @@ class Calibration:
     """What velocity against r^2 says about the fluids."""
 
     density_over_viscosity_s_m2: float
-    """Density difference over viscosity, s/m2, negative for droplets that rise; NaN if it cannot be told."""
+    """Density difference over viscosity, mean over the film, s/m2, negative for droplets that rise; NaN if it cannot
+    be told."""
     std_s_m2: float
     """Its standard error, trajectories taken as independent."""
     n_rows: int
     """Droplets that took part: those that share a frame and a cell with another."""
     n_trajectories: int
+    expected_s_m2: float
+    """The material's own value, mean over the frames."""
+    r2_um2: Floats
+    """Mean deviation of r^2 from that of its neighbours, in bins of it, shape (n_bins,): what a figure shows."""
+    along_um_s: Floats
+    """Mean deviation of the velocity along up from that of the neighbours, in the same bins."""
+    along_std_um_s: Floats
+    """Standard error of it."""
 
-    def deviation(self, expected_s_m2: float) -> float:
-        """Distance from a material's value in standard errors."""
-        return (self.density_over_viscosity_s_m2 - expected_s_m2) / self.std_s_m2
+    @property
+    def deviation(self) -> float:
+        """Distance from the material's value in standard errors."""
+        return (self.density_over_viscosity_s_m2 - self.expected_s_m2) / self.std_s_m2
 
-    def warning(self, expected_s_m2: float) -> str | None:
+    def warning(self) -> str | None:
         """What to tell people when the material's value is more than three standard errors and 5 % away."""
-        off = self.deviation(expected_s_m2)
+        off = self.deviation
         if not np.isfinite(off) or abs(off) <= N_SIGMA_WARNING:
             return None
-        share = self.density_over_viscosity_s_m2 / expected_s_m2 if expected_s_m2 else np.inf
-        if abs(share - 1) < 0.05:
+        share = self.density_over_viscosity_s_m2 / self.expected_s_m2 if self.expected_s_m2 else np.inf
+        if abs(share - 1) < _LEAST_DEVIATION:
             return None
         return (
             f"The droplets' velocities give a density difference over viscosity that is {share:.2f} times that of the "
             f"material ({abs(off):.0f} standard errors away): check pixel size, frame interval, `up` and material."
         )
 
+    def slope_per_um_s(self, density_over_viscosity_s_m2: float) -> float:
+        """Slope of the velocity along up (um/s) against r^2 (um2) that belongs to a value."""
+        return -density_over_viscosity_s_m2 / _PER_SLOPE
 
-def self_calibration(rows: pl.LazyFrame, up: tuple[float, float], *, field_um: tuple[float, float]) -> Calibration:
+
+_PER_SLOPE = 4.5 / GRAVITY_M_S2 / _M_PER_UM
+"""From a slope in um/s over um^2 to s/m2, by eq. (4)."""
+
+
+def self_calibration(
+    path: Path,
+    trajectories: pl.DataFrame,
+    up: tuple[float, float],
+    *,
+    field_um: tuple[float, float],
+    density_over_viscosity_s_m2: Floats,
+) -> Calibration:
     """Fit the velocity along up against r^2 among droplets that share a frame and a cell.
 
     Such neighbours are in nearly the same flow, so the difference of their velocities is Stokes' alone. The flow field
@@ -51,57 +85,126 @@ def self_calibration(rows: pl.LazyFrame, up: tuple[float, float], *, field_um: t
 
     Parameters
     ----------
-    rows
-        Rows of `dropflow.tables.TRAJECTORIES`.
+    path
+        ``trajectories.parquet``, sorted by trajectory; read twice, in batches.
+    trajectories
+        One row a trajectory, sorted by id (`summarise_trajectories`).
     up
         Direction against gravity.
     field_um
         Width and height of the frame; it is divided into 8 x 8 cells.
+    density_over_viscosity_s_m2
+        The material's own value in each frame, shape (n_frames,): along a temperature ramp it changes, and r^2 is
+        weighed by its share of the mean, so that one factor is fitted for the film.
 
     Notes
     -----
     The slope k of v = k r^2 gives the density difference over the viscosity as -9 k / (2 g) (eq. 4). The standard
     error is that of a regression with clusters: all rows of a trajectory may err together.
     """
-    grouped = _demeaned(rows, up, field_um)
-    sums = grouped.group_by("trajectory_id").agg(
-        xx=(pl.col("x") ** 2).sum(), xy=(pl.col("x") * pl.col("y")).sum(), n=pl.len()
+    mean = float(density_over_viscosity_s_m2.mean())
+    share = density_over_viscosity_s_m2 / mean if mean else np.ones_like(density_over_viscosity_s_m2)
+    pairs = _Pairs(path, trajectories, up, field_um, share)
+    found = pairs.fit()
+    return Calibration(
+        float(-found.slope * _PER_SLOPE),
+        float(found.slope_std * _PER_SLOPE),
+        found.n_rows,
+        found.n_trajectories,
+        mean,
+        found.x,
+        found.y,
+        found.y_std,
     )
-    found = sums.collect(engine="streaming")
-    xx, xy = found["xx"].to_numpy(), found["xy"].to_numpy()
-    n_rows = int(found["n"].sum())
-    if len(found) < 3 or xx.sum() <= 0:
-        return Calibration(np.nan, np.nan, n_rows, len(found))
-    slope = xy.sum() / xx.sum()
+
+
+@dataclass(frozen=True)
+class _Line:
+    slope: float
+    slope_std: float
+    n_rows: int
+    n_trajectories: int
+    x: Floats
+    y: Floats
+    y_std: Floats
+
+
+_N_BINS = 16
+
+
+class _Pairs:
+    """Walks twice through the rows: means of each frame and cell first, then what each droplet differs by."""
+
+    def __init__(
+        self,
+        path: Path,
+        trajectories: pl.DataFrame,
+        up: tuple[float, float],
+        field_um: tuple[float, float],
+        share: Floats,
+    ) -> None:
+        self._path, self._up, self._field_um, self._share = path, up, field_um, share
+        self._ids = trajectories["trajectory_id"].to_numpy()
+        self._r2_um2 = trajectories["r_mean_um"].to_numpy() ** 2
+
+    def fit(self) -> _Line:
+        """Regression through the origin of the deviations."""
+        n_cells = len(self._share) * N_COLUMNS * N_ROWS
+        n, sum_x, sum_y = np.zeros(n_cells, np.int32), np.zeros(n_cells), np.zeros(n_cells)
+        for cell, x, y, _ in self._rows():
+            first = int(cell.min(initial=0))
+            part = slice(first, int(cell.max(initial=-1)) + 1)
+            length = part.stop - first
+            n[part] += np.bincount(cell - first, minlength=length).astype(np.int32)
+            sum_x[part] += np.bincount(cell - first, x, length)
+            sum_y[part] += np.bincount(cell - first, y, length)
+        edges = self._edges(n_rows=int(n[n > 1].sum()))
+        xx, xy = np.zeros(len(self._ids)), np.zeros(len(self._ids))
+        bins = np.zeros((4, _N_BINS))
+        for every_cell, r2, along, every_number in self._rows():
+            shared = n[every_cell] > 1
+            cell, number = every_cell[shared], every_number[shared]
+            x, y = r2[shared] - sum_x[cell] / n[cell], along[shared] - sum_y[cell] / n[cell]
+            xx += np.bincount(number, x * x, len(xx))
+            xy += np.bincount(number, x * y, len(xy))
+            which = np.clip(np.searchsorted(edges, x) - 1, 0, _N_BINS - 1)
+            bins += [np.bincount(which, of, _N_BINS) for of in (np.ones_like(x), x, y, y * y)]
+        return _line(xx, xy, bins, n_rows=int(n[n > 1].sum()))
+
+    def _rows(self) -> Iterator[tuple[Integers, Floats, Floats, Integers]]:
+        """Cell, weighed r^2, velocity along up and trajectory of the droplets, a batch at a time."""
+        names = ["trajectory_id", "frame", "x_um", "y_um", "u_um_s", "v_um_s"]
+        with pq.ParquetFile(self._path) as table:
+            for batch in table.iter_batches(_ROWS_AT_ONCE, columns=names):
+                ids, frame, x_um, y_um, u, v = (batch[name].to_numpy() for name in names)
+                along = u * self._up[0] + v * self._up[1]
+                number = np.searchsorted(self._ids, ids)
+                known = np.isfinite(along) & (frame >= 0) & (frame < len(self._share))
+                column = np.clip(x_um / self._field_um[0] * N_COLUMNS, 0, N_COLUMNS - 1).astype(np.int64)
+                row = np.clip(y_um / self._field_um[1] * N_ROWS, 0, N_ROWS - 1).astype(np.int64)
+                cell = (frame.astype(np.int64) * N_COLUMNS + column) * N_ROWS + row
+                r2 = self._r2_um2[number] * self._share[np.clip(frame, 0, len(self._share) - 1)]
+                yield cell[known], r2[known], along[known], number[known].astype(np.int64)
+
+    def _edges(self, n_rows: int) -> Floats:
+        """Bins of the deviation of r^2, two standard deviations to either side."""
+        reach = 2 * float(self._r2_um2.std()) if n_rows and len(self._r2_um2) else 1.0
+        return np.linspace(-reach, reach, _N_BINS + 1)
+
+
+def _line(xx: Floats, xy: Floats, bins: Floats, *, n_rows: int) -> _Line:
+    n_trajectories = int(np.count_nonzero(xx))
+    n, x, y, yy = bins
+    known = n > 1
+    with np.errstate(invalid="ignore", divide="ignore"):
+        mean = (y / n)[known]
+        # Rows of a trajectory err together: as many are independent as there are trajectories to so many rows.
+        n_independent = np.maximum(n[known] * n_trajectories / max(n_rows, 1), 1.0)
+        std = np.sqrt(np.maximum((yy / n)[known] - mean**2, 0) / n_independent)
+        centre = (x / n)[known]
+    if n_trajectories < 3 or xx.sum() <= 0:
+        return _Line(np.nan, np.nan, n_rows, n_trajectories, centre, mean, std)
+    slope = float(xy.sum() / xx.sum())
     scatter = xy - slope * xx
-    std = np.sqrt((scatter**2).sum() * len(xx) / (len(xx) - 1)) / xx.sum()
-    # um/s over um^2, as 1/(m s).
-    per_slope = 4.5 / GRAVITY_M_S2 / _M_PER_UM
-    return Calibration(float(-slope * per_slope), float(std * per_slope), n_rows, len(found))
-
-
-def _demeaned(rows: pl.LazyFrame, up: tuple[float, float], field_um: tuple[float, float]) -> pl.LazyFrame:
-    """Radius squared (x) and velocity along up (y) of each droplet minus the means of its frame and cell."""
-    column = (pl.col("x_um") / field_um[0] * N_COLUMNS).floor().cast(pl.Int32)
-    row = (pl.col("y_um") / field_um[1] * N_ROWS).floor().cast(pl.Int32)
-    radius = rows.group_by("trajectory_id").agg(r2=pl.col("r_um").mean().cast(pl.Float32) ** 2)
-    droplets = (
-        rows.select(
-            "trajectory_id",
-            cell=pl.col("frame").cast(pl.Int64) * (N_COLUMNS * N_ROWS) + column * N_ROWS + row,
-            v=(pl.col("u_um_s") * up[0] + pl.col("v_um_s") * up[1]).cast(pl.Float32),
-        )
-        .filter(pl.col("v").is_finite())
-        .join(radius, on="trajectory_id")
-    )
-    means = droplets.group_by("cell").agg(mean_r2=pl.col("r2").mean(), mean_v=pl.col("v").mean(), n=pl.len())
-    return droplets.join(means.filter(pl.col("n") > 1), on="cell").select(
-        "trajectory_id",
-        x=(pl.col("r2") - pl.col("mean_r2")).cast(pl.Float64),
-        y=(pl.col("v") - pl.col("mean_v")).cast(pl.Float64),
-    )
-
-
-def expected_density_over_viscosity(delta_density_kg_m3: float, viscosity_pa_s: float) -> float:
-    """The material's own value, s/m2."""
-    return delta_density_kg_m3 / viscosity_pa_s
+    slope_std = np.sqrt((scatter**2).sum() * n_trajectories / (n_trajectories - 1)) / xx.sum()
+    return _Line(slope, float(slope_std), n_rows, n_trajectories, centre, mean, std)

@@ -57,6 +57,24 @@ def flow_moments(flow: Path, up: tuple[float, float]) -> FlowMoments:
     return FlowMoments(np.asarray(times[:], np.float64), mean, rms)
 
 
+def coarsen_flow(moments: FlowMoments, most: int) -> FlowMoments:
+    """Mean and rms over neighbouring steps together, so that at most `most` remain; steps without flow do not count."""
+    n_together = -(-len(moments.time_s) // most)
+    if n_together <= 1:
+        return moments
+    starts = np.arange(0, len(moments.time_s), n_together)
+    known = np.isfinite(moments.mean_um_s[:, :1])
+    n_known = np.add.reduceat(known, starts, axis=0, dtype=np.int64)
+
+    def mean(values: Floats) -> Floats:
+        with np.errstate(invalid="ignore", divide="ignore"):
+            return np.asarray(np.add.reduceat(np.where(known, values, 0.0), starts, axis=0) / n_known)
+
+    n_steps = np.diff(np.append(starts, len(moments.time_s)))
+    time_s = np.add.reduceat(moments.time_s, starts) / n_steps
+    return FlowMoments(time_s, mean(moments.mean_um_s), np.sqrt(mean(moments.rms_um_s**2)))
+
+
 def _turned(velocity: Floats, up: tuple[float, float]) -> Floats:
     """Components along x and y (axis 1) as horizontal and upward ones."""
     axes = np.array([[-up[1], up[0]], [up[0], up[1]]])

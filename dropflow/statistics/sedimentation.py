@@ -7,6 +7,7 @@ import numpy.typing as npt
 import polars as pl
 
 from dropflow.statistics.binned import BinnedMean, binned_mean
+from dropflow.statistics.bootstrap import bootstrap_std
 
 Floats = npt.NDArray[np.float64]
 
@@ -64,6 +65,8 @@ class RadiusScatter:
     """Constant value beyond it."""
     break_um: float
     """Radius at which the one goes over into the other."""
+    relative_std: float
+    """Standard error of `relative`, by bootstrap over trajectories."""
 
 
 def radius_scatter(trajectories: pl.DataFrame, edges_um: Floats, *, least_frames: int = 4) -> RadiusScatter:
@@ -72,14 +75,26 @@ def radius_scatter(trajectories: pl.DataFrame, edges_um: Floats, *, least_frames
     The scatter is taken about each trajectory's own straight line in time, so that growth is not taken for noise.
     """
     long = trajectories.filter(pl.col("n_frames") >= least_frames)
-    scatter = binned_mean(long["r_mean_um"].to_numpy(), long["r_std_um"].fill_null(np.nan).to_numpy(), edges_um)
-    return RadiusScatter(scatter, *_two_pieces(scatter))
+    radius, std = long["r_mean_um"].to_numpy(), long["r_std_um"].fill_null(np.nan).to_numpy()
+    scatter = binned_mean(radius, std, edges_um)
+    which = np.clip(np.searchsorted(edges_um, radius, side="right") - 1, 0, len(edges_um) - 2)
+    used = np.flatnonzero(np.isfinite(std) & (radius >= edges_um[0]) & (radius < edges_um[-1]))
+
+    def relative(entries: npt.NDArray[np.int64], weight: Floats) -> float:
+        bins, values = which[used[entries]], std[used[entries]]
+        n = np.asarray(np.bincount(bins, weight, len(edges_um) - 1), np.float64)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            return _two_pieces(scatter.x, np.bincount(bins, weight * values, len(n)) / n, n)[0]
+
+    return RadiusScatter(
+        scatter, *_two_pieces(scatter.x, scatter.mean, scatter.n.astype(np.float64)), bootstrap_std(relative, len(used))
+    )
 
 
-def _two_pieces(scatter: BinnedMean) -> tuple[float, float, float]:
+def _two_pieces(radius_um: Floats, mean_um: Floats, n: Floats) -> tuple[float, float, float]:
     """Least-squares slope through the origin up to the best break, and the constant that it reaches there."""
-    is_known = np.isfinite(scatter.mean)
-    x, y, weight = scatter.x[is_known], scatter.mean[is_known], scatter.n[is_known].astype(np.float64)
+    is_known = np.isfinite(mean_um)
+    x, y, weight = radius_um[is_known], mean_um[is_known], n[is_known]
     best = (np.inf, np.nan, np.nan, np.nan)
     for break_um in x:
         bent = np.minimum(x, break_um)

@@ -1,4 +1,8 @@
-"""The size distribution n(r, t) and its moments, from histograms, with Poisson uncertainty (sections 4.5, 4.3)."""
+"""The size distribution n(r, t) and its moments, from histograms, with uncertainty (sections 4.5, 4.3).
+
+Counts of different droplets follow Poisson's law. A droplet that stays in sight is counted again in every frame: with
+`InSight` the uncertainty is that of drawing whole trajectories again.
+"""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -7,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dropflow.statistics.histograms import FrameHistograms
+from dropflow.statistics.in_sight import InSight
 
 Floats = npt.NDArray[np.float64]
 
@@ -22,12 +27,16 @@ class SizeDistribution:
     density: Floats
     """n(r, t), shape (n_columns, n_bins); 0 where no droplet was seen."""
     density_std: Floats
-    """Its standard deviation if droplets are independent (Poisson), shape (n_columns, n_bins)."""
+    """Its standard deviation, shape (n_columns, n_bins)."""
     unit: DensityUnit
 
 
 def size_distribution(
-    histograms: FrameHistograms, *, area_um2: float, observation_depth_um: float | Floats | None = None
+    histograms: FrameHistograms,
+    *,
+    area_um2: float,
+    observation_depth_um: float | Floats | None = None,
+    seen: InSight | None = None,
 ) -> SizeDistribution:
     """Droplet number density per radius: counts over frames, area, depth and width of the bin.
 
@@ -40,14 +49,21 @@ def size_distribution(
     observation_depth_um
         Depth over which droplets are seen: one number, or one for each radius bin, shape (n_bins,).
         None gives the density per area.
+    seen
+        How long droplets stay in sight, in the same radius bins; without it each count is taken for another droplet.
     """
     depth_um = 1.0 if observation_depth_um is None else observation_depth_um
     observed = histograms.n_frames[:, None] * area_um2 * np.diff(histograms.edges_um) * depth_um
     return SizeDistribution(
         density=histograms.counts / observed,
-        density_std=np.sqrt(histograms.counts) / observed,
+        density_std=np.sqrt(histograms.counts * _variance_factor(histograms, seen)) / observed,
         unit="um^-3" if observation_depth_um is None else "um^-4",
     )
+
+
+def _variance_factor(histograms: FrameHistograms, seen: InSight | None) -> Floats:
+    """Variance of each count over Poisson's, shape (n_columns, n_bins)."""
+    return np.ones(histograms.counts.shape) if seen is None else seen.variance_factor(histograms.n_frames)
 
 
 @dataclass(frozen=True)
@@ -70,7 +86,11 @@ class SizeMoments:
 
 
 def size_moments(
-    histograms: FrameHistograms, *, area_um2: float, observation_depth_um: float | Floats | None = None
+    histograms: FrameHistograms,
+    *,
+    area_um2: float,
+    observation_depth_um: float | Floats | None = None,
+    seen: InSight | None = None,
 ) -> SizeMoments:
     """Number, mean radius, Sauter radius, volume (or area) fraction and percentiles of each column.
 
@@ -87,21 +107,24 @@ def size_moments(
         if np.ndim(depth_um) == 0
         else (histograms.counts * filled).sum(axis=1)
     )
+    variance = histograms.counts * _variance_factor(histograms, seen)
     with np.errstate(invalid="ignore", divide="ignore"):
+        # Of all droplets together, where some are outside the bins.
+        factor = np.nan_to_num(variance.sum(axis=1) / histograms.counts.sum(axis=1), nan=1.0)
         mean_um = sum_r / number
         sauter_um = sum_r3 / sum_r2
-        mean_std_um = np.sqrt(np.maximum(sum_r2 / number - mean_um**2, 0) / number)
+        mean_std_um = np.sqrt(factor * np.maximum(sum_r2 / number - mean_um**2, 0) / number)
         pull = radius_um**3 - sauter_um[:, None] * radius_um**2
-        sauter_std_um = np.sqrt((histograms.counts * pull**2).sum(axis=1)) / sum_r2
+        sauter_std_um = np.sqrt((variance * pull**2).sum(axis=1)) / sum_r2
     return SizeMoments(
         n_per_frame=number / histograms.n_frames,
-        n_per_frame_std=np.sqrt(number) / histograms.n_frames,
+        n_per_frame_std=np.sqrt(factor * number) / histograms.n_frames,
         mean_radius_um=mean_um,
         mean_radius_std_um=mean_std_um,
         sauter_radius_um=sauter_um,
         sauter_radius_std_um=sauter_std_um,
         fraction=np.asarray(sum_filled / histograms.n_frames),
-        fraction_std=np.sqrt((histograms.counts * filled**2).sum(axis=1)) / histograms.n_frames,
+        fraction_std=np.sqrt((variance * filled**2).sum(axis=1)) / histograms.n_frames,
         is_volume_fraction=observation_depth_um is not None,
         percentiles_um=percentiles(histograms),
     )

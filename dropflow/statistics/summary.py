@@ -10,14 +10,14 @@ import numpy.typing as npt
 import pyarrow.parquet as pq
 import zarr
 
-from dropflow.experiment import Experiment
+from dropflow.experiment import Experiment, FixedMaterial
 from dropflow.ingest import StackIndex
-from dropflow.physics.material import resolve
+from dropflow.statistics.findings import Findings
 
 _STEPS_AT_ONCE = 256
 
 
-def summarise(folder: Path, index: StackIndex, experiment: Experiment) -> dict[str, Any]:
+def summarise(folder: Path, index: StackIndex, experiment: Experiment, material: FixedMaterial) -> dict[str, Any]:
     """Counts, radii and the flow of a finished run; units are in the names, None where there is no value.
 
     Parameters
@@ -26,10 +26,11 @@ def summarise(folder: Path, index: StackIndex, experiment: Experiment) -> dict[s
         Holds ``droplets.parquet``, ``trajectories.parquet``, ``rejected_trajectories.parquet`` and ``flow.zarr``.
     index, experiment
         What was analysed.
+    material
+        Mean over the frames.
     """
     tracked = pq.ParquetFile(folder / "trajectories.parquet")
     n_frames_of = _n_frames_of_trajectories(tracked)
-    material = resolve(experiment)
     height_um, width_um = (side * experiment.pixel_size_um for side in index.shape)
     return {
         "n_frames": index.n_frames,
@@ -37,12 +38,42 @@ def summarise(folder: Path, index: StackIndex, experiment: Experiment) -> dict[s
         "field_of_view_um": [width_um, height_um],
         "delta_density_kg_m3": material.delta_density_kg_m3,
         "viscosity_pa_s": material.viscosity_pa_s,
+        "temperature_c": [min(index.temperatures_c), max(index.temperatures_c)] if index.temperatures_c else None,
         "detected": _sizes(pq.ParquetFile(folder / "droplets.parquet"), index.n_frames),
         "tracked": _sizes(tracked, index.n_frames) | {"found_by_prediction_share": _share_predicted(tracked)},
         "n_trajectories": len(n_frames_of),
         "mean_trajectory_frames": float(n_frames_of.mean()) if len(n_frames_of) else None,
         "n_rejected_trajectories": _rejected(folder / "rejected_trajectories.parquet"),
         "flow": _flow(folder / "flow.zarr"),
+    }
+
+
+def statistics_of(found: Findings) -> dict[str, Any]:
+    """What the statistics say, each with its standard error; None where there is no value."""
+    calibration, correlation, depth = found.calibration, found.correlation, found.depth
+    period_s = found.oscillations.period_s
+    driving = found.driving
+    values: dict[str, float] = {
+        "density_over_viscosity_s_m2": calibration.density_over_viscosity_s_m2,
+        "density_over_viscosity_std_s_m2": calibration.std_s_m2,
+        "density_over_viscosity_of_material_s_m2": calibration.expected_s_m2,
+        "relative_radius_scatter": found.scatter.relative,
+        "relative_radius_scatter_std": found.scatter.relative_std,
+        "correlation_length_um": correlation.length_um,
+        "correlation_length_std_um": correlation.length_std_um,
+        "correlation_time_s": correlation.time_s,
+        "correlation_time_std_s": correlation.time_std_s,
+        "depth_per_radius": depth.per_radius,
+        "depth_per_radius_std": depth.per_radius_std,
+        "mean_period_s": float(period_s.mean()) if len(period_s) else math.nan,
+        "driving_per_s": math.nan if driving is None else driving.mean_per_s,
+        "driving_std_per_s": math.nan if driving is None else driving.mean_std_per_s,
+    }
+    return {
+        **{name: value if math.isfinite(value) else None for name, value in values.items()},
+        "n_oscillations": len(found.oscillations.peak_s),
+        "n_uncertain_oscillations": int((~found.oscillations.is_certain).sum()),
+        "n_coalescences": len(found.events),
     }
 
 

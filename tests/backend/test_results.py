@@ -6,6 +6,7 @@ import zipfile
 from pathlib import Path
 
 import numpy as np
+import polars as pl
 import pyarrow.parquet as pq
 import pytest
 import yaml
@@ -13,12 +14,22 @@ import zarr
 
 from dropflow import analysis
 from dropflow.experiment import parse_experiment
+from dropflow.figures.catalogue import CATALOGUE, Group
 from dropflow.parameters import parse_parameters
 from tests.films import EXPERIMENT, PARAMETERS, film
 from tests.house import House, Json
 from worker.shards import look_at
 
-FIGURES = ["size_distribution_before", "size_distribution_after", "moments", "flow_field?frame=2", "flow_moments"]
+ROOT = Path(__file__).parents[2]
+QUERIES = {
+    "flow_field": "?frame=2",
+    "displacement": "?frame=2",
+    "forward_tracking": "?frame=2&trajectory=0",
+    "backward_tracking": "?frame=2&trajectory=0",
+}
+FIGURES = [entry.name + QUERIES.get(entry.name, "") for entry in CATALOGUE if entry.group is not Group.FLUID]
+FIGURES = [name for name in FIGURES if name not in ("temperature", "driving")]
+OF_SIZES = "figures/size_distribution_after"
 
 
 @pytest.fixture(scope="module")
@@ -91,6 +102,11 @@ def test_the_list_of_files_tells_their_true_sizes(shared_house: House, run: Json
         "rejected_trajectories.parquet",
         "flow.zarr.zip",
         "summary.json",
+        "trajectory_summary.parquet",
+        "coalescences.parquet",
+        "statistics.npz",
+        "example.npz",
+        "report.html",
     }
     for item in items:
         assert len(_download(shared_house, run, item["name"])) == item["size_bytes"]
@@ -130,9 +146,80 @@ def test_the_flow_of_a_frame_is_the_entry_of_the_field(shared_house: House, run:
 
 @pytest.mark.parametrize("name", FIGURES)
 def test_every_figure_has_something_to_show(shared_house: House, run: Json, name: str) -> None:
+    """Or says why there is nothing: the film of these tests is short."""
     figure = shared_house.ok(shared_house.api.get(f"runs/{run['id']}/figures/{name}"))
-    assert figure["data"]
+    words = " ".join(found["text"] for found in figure["layout"]["annotations"])
+    assert figure["data"] or any(word in words for word in ("no ", "fewer", "too few", "unknown")), words
     assert figure["layout"]["title"]["text"]
+
+
+def test_the_list_of_figures_says_what_there_is_and_what_each_takes(shared_house: House, run: Json) -> None:
+    items = shared_house.ok(shared_house.api.get(f"runs/{run['id']}/figures"))["items"]
+    assert [item["name"] for item in items] == [entry.name for entry in CATALOGUE]
+    there = {item["name"] for item in items if item["is_available"]}
+    assert there == {name.partition("?")[0] for name in FIGURES}
+    for item in items:
+        assert item["is_available"] == (item["reason"] is None)
+        assert (ROOT / "docs" / item["docs"]).is_file(), item["docs"]
+    after = next(item for item in items if item["name"] == "size_distribution_after")
+    radius = next(found for found in after["parameters"] if found["name"] == "radius_min_um")
+    smallest_um = run["parameters"]["detection"]["radius_min_um"]
+    assert (radius["unit"], radius["low"], radius["is_required"]) == ("µm", smallest_um, False)
+
+
+def test_every_table_has_its_provenance_and_units_in_its_names(shared_house: House, run: Json) -> None:
+    items = shared_house.ok(shared_house.api.get(f"runs/{run['id']}/figures"))["items"]
+    for item in items:
+        answer = shared_house.api.get(f"runs/{run['id']}/figures/{item['name']}/table.csv")
+        if not (item["has_table"] and item["is_available"]):
+            assert answer.status_code in {404, 422}
+            continue
+        first, rest = answer.text.split("\n", 1)
+        assert json.loads(first.removeprefix("# dropflow: "))["input_sha256"]
+        assert pl.read_csv(io.StringIO(rest)).width > 1, item["name"]
+
+
+def test_a_range_of_times_and_radii_leaves_the_rest_out(shared_house: House, run: Json) -> None:
+    address = f"runs/{run['id']}/{OF_SIZES}"
+    times = pl.read_csv(io.StringIO(shared_house.api.get(f"{address}/table.csv").text.split("\n", 1)[1]))["time_s"]
+    second_s, fourth_s = times.unique().sort().to_list()[1:4:2]
+    limits = f"from_s={second_s}&to_s={fourth_s}&radius_min_um=6&radius_max_um=20"
+    answer = shared_house.api.get(f"{address}/table.csv?{limits}")
+    rows = pl.read_csv(io.StringIO(answer.text.split("\n", 1)[1]))
+    assert rows["time_s"].n_unique() == 3
+    assert (rows["time_s"].min(), rows["time_s"].max()) == (second_s, fourth_s)
+    assert 5 < rows["radius_from_um"].min() < rows["radius_to_um"].max() < 22
+    nothing = shared_house.ok(shared_house.api.get(f"{address}?from_s=9000"))
+    assert "no droplets" in json.dumps(nothing["layout"]["annotations"])
+
+
+@pytest.mark.parametrize(
+    ("query", "field"),
+    [
+        ("figures/moments?frame=1", "frame"),
+        ("figures/moments?from_s=nan", "from_s"),
+        ("figures/moments?from_s=3&to_s=2", "from_s"),
+        ("figures/moments?radius_min_um=1000", "radius_min_um"),
+        ("figures/moments?bins=9", "bins"),
+        ("figures/forward_tracking?frame=1", "trajectory"),
+        ("figures/oscillations?signal=noise", "signal"),
+    ],
+)
+def test_what_a_figure_does_not_take_is_named(shared_house: House, run: Json, query: str, field: str) -> None:
+    answer = shared_house.api.get(f"runs/{run['id']}/{query}")
+    assert answer.status_code == 422, answer.text
+    assert field in answer.json()["errors"][0]["field"]
+
+
+def test_a_figure_that_the_film_cannot_give_says_why(shared_house: House, run: Json) -> None:
+    answer = shared_house.api.get(f"runs/{run['id']}/figures/viscosity")
+    assert (answer.status_code, answer.json()["code"]) == (404, "results.not_of_this_film")
+
+
+def test_the_report_is_among_the_files(shared_house: House, run: Json) -> None:
+    page = _download(shared_house, run, "report.html").decode()
+    assert page.startswith("<!doctype html>")
+    assert page.count("<figure id=") == len(FIGURES)
 
 
 def test_a_figure_of_one_frame_needs_the_frame(shared_house: House, run: Json) -> None:
@@ -168,6 +255,9 @@ def test_results_appear_while_the_run_goes(house: House) -> None:
         look_at(house.context, shard_id)
     assert house.api.get(f"runs/{run['id']}/figures/size_distribution_before").status_code == 200
     assert house.api.get(f"runs/{run['id']}/figures/moments").status_code == 200
+    listed = house.ok(house.api.get(f"runs/{run['id']}/figures"))["items"]
+    there = [item["name"] for item in listed if item["is_available"]]
+    assert there == ["size_distribution_before", "size_distribution_at", "moments"]
     assert house.api.get(f"runs/{run['id']}/figures/size_distribution_after").status_code == 404
     assert house.api.get(f"runs/{run['id']}/frames/1/droplets").status_code == 200
     assert house.api.get(f"runs/{run['id']}/frames/0/droplets").status_code == 404

@@ -13,11 +13,19 @@ export function availability(run: Pick<Run, "state" | "stages">, name: StageName
   return isActive(run.state) ? "growing" : "whole";
 }
 
-/** The stages whose results a figure shows; the first one decides when there is anything. */
-export const STAGES_OF: Record<FigureName, StageName[]> = {
-  size_distribution_before: ["detect"],
-  size_distribution_after: ["track"],
-  moments: ["detect", "track"],
+const EARLY: Partial<Record<FigureName, StageName[]>> = {
+  size_distribution_before: ["detect", "analyse"],
+  size_distribution_after: ["track", "analyse"],
+  size_distribution_at: ["detect", "track", "analyse"],
+  moments: ["detect", "track", "analyse"],
   flow_field: ["track"],
+  displacement: ["track"],
+  forward_tracking: ["track"],
+  backward_tracking: ["track"],
   flow_moments: ["track"],
 };
+
+/** The stages whose results a figure shows; the first one decides when there is anything. */
+export function stagesOf(name: FigureName): StageName[] {
+  return EARLY[name] ?? ["analyse"];
+}

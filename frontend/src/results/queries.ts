@@ -13,7 +13,7 @@ import {
 } from "../client";
 import { ProblemError } from "../platform/problem";
 import { isActive } from "../runs/states";
-import { type Availability, availability, STAGES_OF } from "./availability";
+import { type Availability, availability, stagesOf } from "./availability";
 import type { Range } from "./figure";
 
 /** What grows is asked for anew at this pace. */
@@ -43,7 +43,7 @@ function freshness(available: Availability) {
 }
 
 export function figureQuery(run: Run, name: FigureName) {
-  const stages = STAGES_OF[name].map((stage) => availability(run, stage));
+  const stages = stagesOf(name).map((stage) => availability(run, stage));
   const available = stages[0] ?? "none";
   return queryOptions({
     queryKey: ["runs", run.id, "figures", name, stages],

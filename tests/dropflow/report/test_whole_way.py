@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from dropflow.cli import main
-from dropflow.report.findings import find
 from dropflow.results import open_results
 from dropflow.simulation.oscillating import OSCILLATING, Waves, write_oscillating
 from dropflow.simulation.scenario import changed
+from dropflow.statistics.findings import Findings
 
 
 @pytest.mark.slow
@@ -27,11 +27,12 @@ def test_waves_put_into_frames_come_out_of_the_report(tmp_path: Path, monkeypatc
             main()
         assert not ended.value.code
     assert (tmp_path / "report.html").stat().st_size > 1e6
-    found = find(open_results(results))
+    opened = open_results(results)
+    found = Findings(opened.facts, opened.condensed)
     true_s = np.diff(waves.starts_s[1:5])
     assert len(found.oscillations.period_s) == len(true_s)
     assert (np.abs(found.oscillations.period_s - true_s) < 4 * found.oscillations.period_std_s).all()
-    expected = found.expected_calibration_s_m2
+    expected = found.calibration.expected_s_m2
     off = abs(found.calibration.density_over_viscosity_s_m2 - expected)
     assert off < max(4 * found.calibration.std_s_m2, 0.05 * abs(expected))
     middle = (found.growth.rate.x > 8) & (found.growth.rate.x < 14) & (found.growth.rate.n > 10)

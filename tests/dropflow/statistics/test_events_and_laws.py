@@ -148,10 +148,16 @@ def test_a_table_without_trajectories_gives_empty_statistics(tmp_path: Path) -> 
     assert coalescence_events(nothing, relative_radius_std=0.05, frame_shape_um=FRAME_UM).is_empty()
     depth = observed_depth(nothing, EDGES_UM, frame_size_um=(1e3, 1e3), depth_speed_um_s=1.0, sideways_speed_um_s=1.0)
     assert np.isnan(depth.per_radius)
-    found = self_calibration(open_trajectories(tmp_path / "trajectories.parquet"), (0.0, -1.0), field_um=(1e3, 1e3))
+    found = self_calibration(
+        tmp_path / "trajectories.parquet",
+        nothing,
+        (0.0, -1.0),
+        field_um=(1e3, 1e3),
+        density_over_viscosity_s_m2=np.full(3, 1e4),
+    )
     assert found.n_rows == 0
     assert np.isnan(found.density_over_viscosity_s_m2)
-    assert found.warning(1e4) is None
+    assert found.warning() is None
 
 
 @pytest.mark.parametrize("n_frames", [0, 1, 5])

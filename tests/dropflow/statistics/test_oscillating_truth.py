@@ -3,11 +3,12 @@
 from pathlib import Path
 
 import numpy as np
+import numpy.typing as npt
 import polars as pl
 import pytest
 
 from dropflow.simulation.oscillating import WaveFlow, wave_flow
-from dropflow.statistics.calibration import expected_density_over_viscosity, self_calibration
+from dropflow.statistics.calibration import Calibration, self_calibration
 from dropflow.statistics.flow_bins import bin_flow, edges_of_oscillations
 from dropflow.statistics.flow_correlation import flow_correlation
 from dropflow.statistics.flow_moments import flow_moments
@@ -18,7 +19,7 @@ from dropflow.statistics.oscillations import Signal, find_oscillations
 from dropflow.statistics.sedimentation import radius_scatter, velocity_by_radius
 from dropflow.statistics.size_distribution import size_distribution
 from dropflow.statistics.table_histograms import histograms_of_table
-from dropflow.statistics.trajectories import open_trajectories
+from dropflow.statistics.trajectories import open_trajectories, summarise_trajectories
 from tests.dropflow.statistics.conftest import RADIUS_STD, SCENARIO, WAVES
 
 UP = (0.0, -1.0)
@@ -64,23 +65,51 @@ def test_the_distribution_is_that_of_the_visible_droplets(waves_film: Path, hist
     assert (off < 5 * np.sqrt(true_counts[full]) + 0.1 * true_counts[full]).all()
 
 
-def test_density_over_viscosity_comes_back_without_any_material(waves_film: Path) -> None:
-    found = self_calibration(open_trajectories(waves_film / "trajectories.parquet"), UP, field_um=(WIDTH_UM, HEIGHT_UM))
-    expected = expected_density_over_viscosity(SCENARIO.delta_density_kg_m3, SCENARIO.viscosity_pa_s)
-    assert abs(found.deviation(expected)) < 3.5
-    assert found.std_s_m2 < 0.03 * abs(expected)
-    assert found.warning(expected) is None
+EXPECTED_S_M2 = SCENARIO.delta_density_kg_m3 / SCENARIO.viscosity_pa_s
 
 
-def test_a_wrong_pixel_size_is_noticed(waves_film: Path) -> None:
-    """With pixels 1.3 times too large, lengths and speeds grow alike, so drho/eta shrinks by that factor."""
-    wrong = open_trajectories(waves_film / "trajectories.parquet").with_columns(
-        [pl.col(name) * 1.3 for name in ("x_um", "y_um", "r_um", "u_um_s", "v_um_s")]
+def calibrate(path: Path, *, scale: float = 1.0, expected_s_m2: npt.ArrayLike = EXPECTED_S_M2) -> Calibration:
+    n_frames = int(pl.read_parquet(path, columns=["frame"])["frame"].max()) + 1
+    return self_calibration(
+        path,
+        summarise_trajectories(open_trajectories(path)),
+        UP,
+        field_um=(scale * WIDTH_UM, scale * HEIGHT_UM),
+        density_over_viscosity_s_m2=np.broadcast_to(np.asarray(expected_s_m2, np.float64), (n_frames,)),
     )
-    found = self_calibration(wrong, UP, field_um=(1.3 * WIDTH_UM, 1.3 * HEIGHT_UM))
-    expected = expected_density_over_viscosity(SCENARIO.delta_density_kg_m3, SCENARIO.viscosity_pa_s)
-    assert found.density_over_viscosity_s_m2 / expected == pytest.approx(1 / 1.3, rel=0.1)
-    assert "pixel size" in (found.warning(expected) or "")
+
+
+def test_density_over_viscosity_comes_back_without_any_material(waves_film: Path) -> None:
+    found = calibrate(waves_film / "trajectories.parquet")
+    assert abs(found.deviation) < 3.5
+    assert found.std_s_m2 < 0.03 * abs(EXPECTED_S_M2)
+    assert found.warning() is None
+    slope = found.slope_per_um_s(found.density_over_viscosity_s_m2)
+    off = np.abs(found.along_um_s - slope * found.r2_um2)
+    assert (off < 5 * found.along_std_um_s + 0.05 * np.abs(found.along_um_s)).all()
+
+
+def test_a_material_that_changes_along_the_ramp_is_weighed_frame_by_frame(waves_film: Path, tmp_path: Path) -> None:
+    """Sedimentation made twice as strong in the second half: one factor fits all, and that of the mean comes back."""
+    rows = pl.read_parquet(waves_film / "trajectories.parquet")
+    n_frames = int(rows["frame"].max()) + 1
+    strength = np.where(np.arange(n_frames) < n_frames // 2, 1.0, 2.0)
+    more = pl.Series(strength[rows["frame"].to_numpy()] - 1)
+    path = tmp_path / "trajectories.parquet"
+    rows.with_columns(v_um_s=pl.col("v_um_s") - more * pl.col("sedimentation_um_s")).write_parquet(path)
+    found = calibrate(path, expected_s_m2=EXPECTED_S_M2 * strength)
+    assert found.expected_s_m2 == pytest.approx(EXPECTED_S_M2 * strength.mean())
+    assert abs(found.deviation) < 3.5
+
+
+def test_a_wrong_pixel_size_is_noticed(waves_film: Path, tmp_path: Path) -> None:
+    """With pixels 1.3 times too large, lengths and speeds grow alike, so drho/eta shrinks by that factor."""
+    path = tmp_path / "trajectories.parquet"
+    rows = pl.read_parquet(waves_film / "trajectories.parquet")
+    rows.with_columns([pl.col(name) * 1.3 for name in ("x_um", "y_um", "r_um", "u_um_s", "v_um_s")]).write_parquet(path)
+    found = calibrate(path, scale=1.3)
+    assert found.density_over_viscosity_s_m2 / EXPECTED_S_M2 == pytest.approx(1 / 1.3, rel=0.1)
+    assert "pixel size" in (found.warning() or "")
 
 
 def test_velocity_against_radius_is_stokes_plus_the_mean_flow(trajectories: pl.DataFrame, waves_film: Path) -> None:

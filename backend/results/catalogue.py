@@ -1,0 +1,77 @@
+"""Which figures a run has, and what each takes."""
+
+from collections.abc import Collection
+
+from backend.platform.problems import InvalidRequest
+from backend.results.schemas import FigureEntry, FigureName, FigureParameter, FigureQuery
+from dropflow.errors import FieldProblem
+from dropflow.figures.catalogue import BY_NAME, CATALOGUE, Entry, Needs, Parameter
+from dropflow.statistics.facts import FilmFacts
+from dropflow.statistics.oscillations import Signal
+
+_DOCS = "explanation/figures"
+_LATER = {
+    Needs.DETECT: "It appears when the first frames are detected.",
+    Needs.TRACK: "It appears when the droplets are tracked.",
+    Needs.ANALYSE: "It appears when the analysis is complete.",
+}
+
+
+def entries(facts: FilmFacts, done: Collection[str], *, duration_s: float) -> list[FigureEntry]:
+    """All figures; `done` are the stages that have left something."""
+    return [_entry(entry, facts, done, duration_s) for entry in CATALOGUE]
+
+
+def _entry(entry: Entry, facts: FilmFacts, done: Collection[str], duration_s: float) -> FigureEntry:
+    reason = entry.missing(facts)
+    if reason is None and entry.needs is not Needs.NOTHING and entry.needs not in done:
+        reason = _LATER[entry.needs]
+    return FigureEntry(
+        name=FigureName(entry.name),
+        title=entry.title,
+        paper=entry.paper,
+        group=entry.group,
+        how=entry.how,
+        docs=f"{_DOCS}/{entry.docs}.md",
+        has_table=entry.table is not None,
+        parameters=[_parameter(parameter, facts, duration_s) for parameter in entry.parameters],
+        is_available=reason is None,
+        reason=reason,
+    )
+
+
+def _parameter(parameter: Parameter, facts: FilmFacts, duration_s: float) -> FigureParameter:
+    detection = facts.parameters.detection
+    ranges = {
+        "s": (0.0, duration_s),
+        "µm": (detection.radius_min_um, detection.radius_max_um),
+        "frame": (0.0, float(max(facts.n_frames - 1, 0))),
+    }
+    low, high = ranges.get(parameter.unit or parameter.name, (None, None))
+    return FigureParameter(
+        name=parameter.name,
+        kind=parameter.kind,
+        unit=parameter.unit,
+        description=parameter.description,
+        is_required=parameter.is_required,
+        low=low,
+        high=high,
+        choices=list(parameter.choices) or None,
+        default=Signal.N_DROPLETS if parameter.name == "signal" else None,
+    )
+
+
+def checked(name: FigureName, query: FigureQuery) -> Entry:
+    """The entry of a figure; parameters that it does not take, or needs and was not given, are an error."""
+    entry = BY_NAME[name]
+    taken = {parameter.name for parameter in entry.parameters}
+    given = query.model_dump(exclude_none=True)
+    problems = [FieldProblem(field, f"{name} does not take it") for field in given if field not in taken]
+    problems += [
+        FieldProblem(parameter.name, "is needed")
+        for parameter in entry.parameters
+        if parameter.is_required and parameter.name not in given
+    ]
+    if problems:
+        raise InvalidRequest("The figure cannot be drawn so.", fields=problems)
+    return entry
