@@ -51,6 +51,6 @@ def work(context: Context, lease: Lease) -> None:
 
 
 def _copy_log(context: Context, film: PreparedFilm, made: Path) -> None:
-    for key in film.files.get(LOG_ROLE, {}).values():
-        with context.store.open(key) as log, (made / pipeline.TEMPERATURE_FILE).open("wb") as copy:
+    for place in film.files.get(LOG_ROLE, {}).values():
+        with context.store.open_place(place) as log, (made / pipeline.TEMPERATURE_FILE).open("wb") as copy:
             shutil.copyfileobj(log, copy)

@@ -43,7 +43,10 @@ def work(context: Context, lease: Lease) -> None:
 def _timed(context: Context, film: Film, uploaded: StackIndex) -> StackIndex:
     """The index with the times of today: the interval may have been corrected since the upload."""
     with ExitStack() as opened:
-        logs = [opened.enter_context(context.store.open(key)) for key in film.files.get("temperature_log", {}).values()]
+        logs = [
+            opened.enter_context(context.store.open_place(place))
+            for place in film.files.get("temperature_log", {}).values()
+        ]
         return uploaded.timed(film.experiment, logs[0] if logs else None)
 
 
