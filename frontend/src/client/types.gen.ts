@@ -132,11 +132,112 @@ export type Figure = {
 };
 
 /**
+ * FigureEntries
+ *
+ * All figures, in the order of the paper.
+ */
+export type FigureEntries = {
+    /**
+     * Items
+     */
+    items: Array<FigureEntry>;
+};
+
+/**
+ * FigureEntry
+ *
+ * A figure that can be asked for.
+ */
+export type FigureEntry = {
+    /**
+     * Docs
+     */
+    docs: string;
+    /**
+     * Group
+     */
+    group: string;
+    /**
+     * Has Table
+     */
+    has_table: boolean;
+    /**
+     * How
+     */
+    how: string;
+    /**
+     * Is Available
+     */
+    is_available: boolean;
+    name: FigureName;
+    /**
+     * Paper
+     */
+    paper: string;
+    /**
+     * Parameters
+     */
+    parameters: Array<FigureParameter>;
+    /**
+     * Reason
+     */
+    reason: string | null;
+    /**
+     * Title
+     */
+    title: string;
+};
+
+/**
  * FigureName
  *
- * The figures of a run.
+ * The figures of a run: `dropflow.figures.catalogue` says what each is.
  */
-export type FigureName = 'size_distribution_before' | 'size_distribution_after' | 'moments' | 'flow_field' | 'flow_moments';
+export type FigureName = 'phase_diagram' | 'thresholding' | 'watershed' | 'match' | 'flow_field' | 'displacement' | 'forward_tracking' | 'backward_tracking' | 'velocity_against_radius' | 'self_calibration' | 'trajectory_lengths' | 'observed_depth' | 'radius_scatter' | 'size_distribution_before' | 'size_distribution_after' | 'size_distribution_at' | 'moments' | 'flow_moments' | 'flow_bins' | 'flow_correlation' | 'oscillations' | 'periods' | 'temperature' | 'driving' | 'growth' | 'collision_efficiency' | 'coalescence' | 'viscosity';
+
+/**
+ * FigureParameter
+ *
+ * Something that can be asked of a figure, as a query parameter.
+ */
+export type FigureParameter = {
+    /**
+     * Choices
+     */
+    choices: Array<string> | null;
+    /**
+     * Default
+     */
+    default: string | null;
+    /**
+     * Description
+     */
+    description: string;
+    /**
+     * High
+     */
+    high: number | null;
+    /**
+     * Is Required
+     */
+    is_required: boolean;
+    /**
+     * Kind
+     */
+    kind: string;
+    /**
+     * Low
+     */
+    low: number | null;
+    /**
+     * Name
+     */
+    name: string;
+    /**
+     * Unit
+     */
+    unit: string | null;
+};
 
 /**
  * File
@@ -882,6 +983,13 @@ export type Sedimentation = {
      */
     viscosity_pa_s: number;
 };
+
+/**
+ * Signal
+ *
+ * What oscillates, as one number a time.
+ */
+export type Signal = 'sauter_radius' | 'mean_radius' | 'n_droplets' | 'n_small';
 
 /**
  * Stack
@@ -2935,6 +3043,48 @@ export type RunsEventsResponses = {
     200: unknown;
 };
 
+export type FiguresListData = {
+    body?: never;
+    path: {
+        /**
+         * Run Id
+         */
+        run_id: string;
+    };
+    query?: never;
+    url: '/api/v1/runs/{run_id}/figures';
+};
+
+export type FiguresListErrors = {
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type FiguresListError = FiguresListErrors[keyof FiguresListErrors];
+
+export type FiguresListResponses = {
+    /**
+     * Successful Response
+     */
+    200: FigureEntries;
+};
+
+export type FiguresListResponse = FiguresListResponses[keyof FiguresListResponses];
+
 export type FiguresGetData = {
     body?: never;
     path: {
@@ -2946,11 +3096,47 @@ export type FiguresGetData = {
     };
     query?: {
         /**
+         * From S
+         *
+         * Leave out what is before.
+         */
+        from_s?: number | null;
+        /**
+         * To S
+         *
+         * Leave out what is after.
+         */
+        to_s?: number | null;
+        /**
+         * Radius Min Um
+         *
+         * Leave out smaller droplets.
+         */
+        radius_min_um?: number | null;
+        /**
+         * Radius Max Um
+         *
+         * Leave out larger droplets.
+         */
+        radius_max_um?: number | null;
+        /**
+         * Signal
+         *
+         * In what oscillations are looked for.
+         */
+        signal?: Signal | null;
+        /**
          * Frame
          *
-         * For `flow_field`: which frame.
+         * Which frame.
          */
         frame?: number | null;
+        /**
+         * Trajectory
+         *
+         * Which trajectory.
+         */
+        trajectory?: number | null;
     };
     url: '/api/v1/runs/{run_id}/figures/{name}';
 };
@@ -2988,6 +3174,90 @@ export type FiguresGetResponses = {
 };
 
 export type FiguresGetResponse = FiguresGetResponses[keyof FiguresGetResponses];
+
+export type FiguresTableData = {
+    body?: never;
+    path: {
+        name: FigureName;
+        /**
+         * Run Id
+         */
+        run_id: string;
+    };
+    query?: {
+        /**
+         * From S
+         *
+         * Leave out what is before.
+         */
+        from_s?: number | null;
+        /**
+         * To S
+         *
+         * Leave out what is after.
+         */
+        to_s?: number | null;
+        /**
+         * Radius Min Um
+         *
+         * Leave out smaller droplets.
+         */
+        radius_min_um?: number | null;
+        /**
+         * Radius Max Um
+         *
+         * Leave out larger droplets.
+         */
+        radius_max_um?: number | null;
+        /**
+         * Signal
+         *
+         * In what oscillations are looked for.
+         */
+        signal?: Signal | null;
+        /**
+         * Frame
+         *
+         * Which frame.
+         */
+        frame?: number | null;
+        /**
+         * Trajectory
+         *
+         * Which trajectory.
+         */
+        trajectory?: number | null;
+    };
+    url: '/api/v1/runs/{run_id}/figures/{name}/table.csv';
+};
+
+export type FiguresTableErrors = {
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type FiguresTableError = FiguresTableErrors[keyof FiguresTableErrors];
+
+export type FiguresTableResponses = {
+    /**
+     * The table; its first line is a comment.
+     */
+    200: unknown;
+};
 
 export type ResultFilesListData = {
     body?: never;

@@ -3,8 +3,8 @@
 import { type InfiniteData, infiniteQueryOptions, queryOptions, type UseMutationOptions } from '@tanstack/react-query';
 
 import { client } from '../client.gen';
-import { dropletsGet, experimentsCreate, experimentsDelete, experimentsGet, experimentsList, experimentsUpdate, figuresGet, filesList, filesUpload, flowGet, flowMapsGet, framesPicture, healthGet, materialsGet, materialsGetPhaseDiagram, materialsGetViscosity, materialsList, type Options, qualityGet, rampsDownload, rampsGet, resultFilesDownload, resultFilesList, runsCancel, runsCreate, runsDelete, runsGet, runsList, runsListAll, runsRetry, schemasGetExperiment, schemasGetParameters, stackComplete, stackDelete, tailsGet, trajectoriesGet, uploadsCreate, uploadsGet, uploadsList, uploadsPlan, uploadsSend, uploadsTerminate } from '../sdk.gen';
-import type { DropletsGetData, DropletsGetError, DropletsGetResponse, ExperimentsCreateData, ExperimentsCreateError, ExperimentsCreateResponse, ExperimentsDeleteData, ExperimentsDeleteError, ExperimentsDeleteResponse, ExperimentsGetData, ExperimentsGetError, ExperimentsGetResponse, ExperimentsListData, ExperimentsListError, ExperimentsListResponse, ExperimentsUpdateData, ExperimentsUpdateError, ExperimentsUpdateResponse, FiguresGetData, FiguresGetError, FiguresGetResponse, FilesListData, FilesListError, FilesListResponse, FilesUploadData, FilesUploadError, FilesUploadResponse, FlowGetData, FlowGetError, FlowGetResponse, FlowMapsGetData, FlowMapsGetError, FlowMapsGetResponse, FramesPictureData, FramesPictureError, HealthGetData, HealthGetError, HealthGetResponse, MaterialsGetData, MaterialsGetError, MaterialsGetPhaseDiagramData, MaterialsGetPhaseDiagramError, MaterialsGetPhaseDiagramResponse, MaterialsGetResponse, MaterialsGetViscosityData, MaterialsGetViscosityError, MaterialsGetViscosityResponse, MaterialsListData, MaterialsListError, MaterialsListResponse, QualityGetData, QualityGetError, QualityGetResponse, RampsDownloadData, RampsDownloadError, RampsGetData, RampsGetError, RampsGetResponse, ResultFilesDownloadData, ResultFilesDownloadError, ResultFilesDownloadResponse, ResultFilesListData, ResultFilesListError, ResultFilesListResponse, RunsCancelData, RunsCancelError, RunsCancelResponse, RunsCreateData, RunsCreateError, RunsCreateResponse, RunsDeleteData, RunsDeleteError, RunsDeleteResponse, RunsGetData, RunsGetError, RunsGetResponse, RunsListAllData, RunsListAllError, RunsListAllResponse, RunsListData, RunsListError, RunsListResponse, RunsRetryData, RunsRetryError, RunsRetryResponse, SchemasGetExperimentData, SchemasGetExperimentError, SchemasGetExperimentResponse, SchemasGetParametersData, SchemasGetParametersError, SchemasGetParametersResponse, StackCompleteData, StackCompleteError, StackCompleteResponse, StackDeleteData, StackDeleteError, StackDeleteResponse, TailsGetData, TailsGetError, TailsGetResponse, TrajectoriesGetData, TrajectoriesGetError, TrajectoriesGetResponse, UploadsCreateData, UploadsCreateError, UploadsGetData, UploadsGetError, UploadsGetResponse, UploadsListData, UploadsListError, UploadsListResponse, UploadsPlanData, UploadsPlanError, UploadsPlanResponse, UploadsSendData, UploadsSendError, UploadsSendResponse, UploadsTerminateData, UploadsTerminateError, UploadsTerminateResponse } from '../types.gen';
+import { dropletsGet, experimentsCreate, experimentsDelete, experimentsGet, experimentsList, experimentsUpdate, figuresGet, figuresList, figuresTable, filesList, filesUpload, flowGet, flowMapsGet, framesPicture, healthGet, materialsGet, materialsGetPhaseDiagram, materialsGetViscosity, materialsList, type Options, qualityGet, rampsDownload, rampsGet, resultFilesDownload, resultFilesList, runsCancel, runsCreate, runsDelete, runsGet, runsList, runsListAll, runsRetry, schemasGetExperiment, schemasGetParameters, stackComplete, stackDelete, tailsGet, trajectoriesGet, uploadsCreate, uploadsGet, uploadsList, uploadsPlan, uploadsSend, uploadsTerminate } from '../sdk.gen';
+import type { DropletsGetData, DropletsGetError, DropletsGetResponse, ExperimentsCreateData, ExperimentsCreateError, ExperimentsCreateResponse, ExperimentsDeleteData, ExperimentsDeleteError, ExperimentsDeleteResponse, ExperimentsGetData, ExperimentsGetError, ExperimentsGetResponse, ExperimentsListData, ExperimentsListError, ExperimentsListResponse, ExperimentsUpdateData, ExperimentsUpdateError, ExperimentsUpdateResponse, FiguresGetData, FiguresGetError, FiguresGetResponse, FiguresListData, FiguresListError, FiguresListResponse, FiguresTableData, FiguresTableError, FilesListData, FilesListError, FilesListResponse, FilesUploadData, FilesUploadError, FilesUploadResponse, FlowGetData, FlowGetError, FlowGetResponse, FlowMapsGetData, FlowMapsGetError, FlowMapsGetResponse, FramesPictureData, FramesPictureError, HealthGetData, HealthGetError, HealthGetResponse, MaterialsGetData, MaterialsGetError, MaterialsGetPhaseDiagramData, MaterialsGetPhaseDiagramError, MaterialsGetPhaseDiagramResponse, MaterialsGetResponse, MaterialsGetViscosityData, MaterialsGetViscosityError, MaterialsGetViscosityResponse, MaterialsListData, MaterialsListError, MaterialsListResponse, QualityGetData, QualityGetError, QualityGetResponse, RampsDownloadData, RampsDownloadError, RampsGetData, RampsGetError, RampsGetResponse, ResultFilesDownloadData, ResultFilesDownloadError, ResultFilesDownloadResponse, ResultFilesListData, ResultFilesListError, ResultFilesListResponse, RunsCancelData, RunsCancelError, RunsCancelResponse, RunsCreateData, RunsCreateError, RunsCreateResponse, RunsDeleteData, RunsDeleteError, RunsDeleteResponse, RunsGetData, RunsGetError, RunsGetResponse, RunsListAllData, RunsListAllError, RunsListAllResponse, RunsListData, RunsListError, RunsListResponse, RunsRetryData, RunsRetryError, RunsRetryResponse, SchemasGetExperimentData, SchemasGetExperimentError, SchemasGetExperimentResponse, SchemasGetParametersData, SchemasGetParametersError, SchemasGetParametersResponse, StackCompleteData, StackCompleteError, StackCompleteResponse, StackDeleteData, StackDeleteError, StackDeleteResponse, TailsGetData, TailsGetError, TailsGetResponse, TrajectoriesGetData, TrajectoriesGetError, TrajectoriesGetResponse, UploadsCreateData, UploadsCreateError, UploadsGetData, UploadsGetError, UploadsGetResponse, UploadsListData, UploadsListError, UploadsListResponse, UploadsPlanData, UploadsPlanError, UploadsPlanResponse, UploadsSendData, UploadsSendError, UploadsSendResponse, UploadsTerminateData, UploadsTerminateError, UploadsTerminateResponse } from '../types.gen';
 
 export type QueryKey<TOptions extends Options> = [
     Pick<TOptions, 'baseUrl' | 'body' | 'headers' | 'path' | 'query'> & {
@@ -751,12 +751,32 @@ export const runsCancelMutation = (options?: Partial<Options<RunsCancelData>>): 
     return mutationOptions;
 };
 
+export const figuresListQueryKey = (options: Options<FiguresListData>) => createQueryKey('figuresList', options);
+
+/**
+ * Figures List
+ *
+ * List the figures: what each shows, what it can be asked, and whether it is there by now.
+ */
+export const figuresListOptions = (options: Options<FiguresListData>) => queryOptions<FiguresListResponse, FiguresListError, FiguresListResponse, ReturnType<typeof figuresListQueryKey>>({
+    queryFn: async ({ queryKey, signal }) => {
+        const { data } = await figuresList({
+            ...options,
+            ...queryKey[0],
+            signal,
+            throwOnError: true
+        });
+        return data;
+    },
+    queryKey: figuresListQueryKey(options)
+});
+
 export const figuresGetQueryKey = (options: Options<FiguresGetData>) => createQueryKey('figuresGet', options);
 
 /**
  * Figures Get
  *
- * Get a figure of what is done so far, as Plotly draws it.
+ * Get a figure as Plotly draws it, of what is done so far.
  */
 export const figuresGetOptions = (options: Options<FiguresGetData>) => queryOptions<FiguresGetResponse, FiguresGetError, FiguresGetResponse, ReturnType<typeof figuresGetQueryKey>>({
     queryFn: async ({ queryKey, signal }) => {
@@ -769,6 +789,26 @@ export const figuresGetOptions = (options: Options<FiguresGetData>) => queryOpti
         return data;
     },
     queryKey: figuresGetQueryKey(options)
+});
+
+export const figuresTableQueryKey = (options: Options<FiguresTableData>) => createQueryKey('figuresTable', options);
+
+/**
+ * Figures Table
+ *
+ * Download the numbers of a figure, of what is done so far.
+ */
+export const figuresTableOptions = (options: Options<FiguresTableData>) => queryOptions<unknown, FiguresTableError, unknown, ReturnType<typeof figuresTableQueryKey>>({
+    queryFn: async ({ queryKey, signal }) => {
+        const { data } = await figuresTable({
+            ...options,
+            ...queryKey[0],
+            signal,
+            throwOnError: true
+        });
+        return data;
+    },
+    queryKey: figuresTableQueryKey(options)
 });
 
 export const resultFilesListQueryKey = (options: Options<ResultFilesListData>) => createQueryKey('resultFilesList', options);
