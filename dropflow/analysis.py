@@ -22,7 +22,7 @@ from dropflow import pipeline
 from dropflow.detections import write_droplets
 from dropflow.errors import DropflowError, ExperimentError, FieldProblem
 from dropflow.experiment import Experiment
-from dropflow.frames import Choice, open_frames, open_image
+from dropflow.frames import Choice, Frame, open_frames, open_image
 from dropflow.ingest import StackIndex, index_stack
 from dropflow.parameters import Parameters
 from dropflow.preprocess import StackEstimate
@@ -60,10 +60,16 @@ def open_film(
     with ExitStack() as opened:
         attachments = {field: opened.enter_context(path.open("rb")) for field, path in paths.items()}
         index = index_stack(source, experiment, attachments=attachments, progress=progress)
-    flat_field = open_image(paths["flat_field"]) if "flat_field" in paths else None
+    flat_field = flat_field_beside(experiment, beside)
     with open_frames(source, Choice.of(experiment)) as frames:
         measured = pipeline.estimate(frames, experiment, parameters, flat_field=flat_field)
     return Film(source, experiment, parameters, index, measured, paths.get("temperature_log"))
+
+
+def flat_field_beside(experiment: Experiment, beside: Path) -> Frame | None:
+    """The flat field that the experiment names, looked up in the folder `beside`."""
+    paths = _attached_files(experiment, beside)
+    return open_image(paths["flat_field"]) if "flat_field" in paths else None
 
 
 def detect(film: Film, output: Path, *, n_processes: int, progress: Progress = silent) -> None:

@@ -15,7 +15,7 @@ from dropflow.errors import DropflowError
 for _library in ("OMP", "OPENBLAS", "MKL"):
     os.environ.setdefault(f"{_library}_NUM_THREADS", "1")
 
-COMMANDS = ("analyse", "detect", "simulate", "score", "material", "ramp", "report", "export")
+COMMANDS = ("analyse", "detect", "preview", "suggest", "simulate", "score", "material", "ramp", "report", "export")
 """Each is a function of this name in the module of this name, in the order of the help."""
 
 

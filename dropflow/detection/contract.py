@@ -1,7 +1,8 @@
 """What every way of detecting droplets offers: the one contract that the pipeline and tracking rely on."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -14,9 +15,22 @@ Image = npt.NDArray[np.float32]
 """One preprocessed frame, shape (rows, columns), droplets bright; its scale belongs to the detector that made it."""
 
 
+class Step(NamedTuple):
+    """A frame as it is after one step of preparing it."""
+
+    name: str
+    """Stable word: ``flat_field``, ``stripes``, ``band_pass``, ``contrast``."""
+    about: str
+    image: Image
+
+
 @dataclass(frozen=True)
 class Rejected:
-    """Candidates that were not accepted, and why (one word each, e.g. ``match``, ``duplicate``, ``radius``)."""
+    """Candidates that were not accepted, and why, in one word each.
+
+    ``unlikely`` (probability too small), ``match`` (too small), ``duplicate`` (a better circle is there), ``radius``
+    (not one that was looked for).
+    """
 
     droplets: Droplets
     reasons: tuple[str, ...]
@@ -35,6 +49,10 @@ class Detector(Protocol):
 
     def prepare(self, frame: Frame) -> Image:
         """Clean one frame: flat field, stripes, noise, contrast; `droplets: dark` is inverted here."""
+        ...
+
+    def steps(self, frame: Frame) -> Iterator[Step]:
+        """Each step of `prepare` by itself, for people to look at; the last one is its result."""
         ...
 
     def detect(self, image: Image) -> Detection:

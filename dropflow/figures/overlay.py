@@ -1,6 +1,7 @@
 """A frame with its droplets drawn on it: the picture by which people judge a detection."""
 
 from math import floor, log10
+from pathlib import Path
 from typing import Any
 
 import cv2
@@ -8,16 +9,22 @@ import numpy as np
 import numpy.typing as npt
 
 from dropflow.droplets import Droplets
+from dropflow.errors import ResultsError
 
 Picture = npt.NDArray[np.uint8]
 
 SUBPIXEL_BITS = 4
 """OpenCV draws at fixed-point places with this many bits after the point."""
-WHITE, BLACK = (255, 255, 255), (0, 0, 0)
+WHITE, BLACK, RED = (255, 255, 255), (0, 0, 0), (230, 50, 50)
 
 
 def draw_overlay(
-    frame: npt.NDArray[Any], droplets: Droplets, *, pixel_size_um: float | None = None, scale: int = 1
+    frame: npt.NDArray[Any],
+    droplets: Droplets,
+    *,
+    rejected: Droplets | None = None,
+    pixel_size_um: float | None = None,
+    scale: int = 1,
 ) -> Picture:
     """Draw circles around droplets, coloured by their match, and a scale bar.
 
@@ -27,6 +34,8 @@ def draw_overlay(
         Shape (rows, columns), any real dtype; its contrast is stretched between the 0.5 and 99.8 percentiles.
     droplets
         Droplets of this frame, px.
+    rejected
+        Candidates that were not accepted: drawn below the droplets, thin and red.
     pixel_size_um
         Makes the scale bar one of micrometres; without it it is one of pixels.
     scale
@@ -40,15 +49,31 @@ def draw_overlay(
     if scale > 1:
         grey = np.asarray(cv2.resize(grey, None, fx=scale, fy=scale, interpolation=cv2.INTER_CUBIC), np.uint8)
     picture = np.asarray(cv2.cvtColor(grey, cv2.COLOR_GRAY2RGB), np.uint8)
-    colours = _colours(droplets.match)
+    if rejected is not None:
+        _draw_circles(picture, rejected, np.tile(np.array(RED, np.uint8), (len(rejected), 1)), scale)
+    _draw_circles(picture, droplets, _colours(droplets.match), scale)
+    _draw_scale_bar(picture, pixel_size_um, scale)
+    return picture
+
+
+def _draw_circles(picture: Picture, droplets: Droplets, colours: Picture, scale: int) -> None:
+    """Circles of the colours, shape (n, 3), those with the best match on top."""
     offset = (scale - 1) / 2
     for i in np.argsort(droplets.match, kind="stable"):
         place = (droplets.x_px[i] * scale + offset, droplets.y_px[i] * scale + offset)
         centre = (_fixed(place[0]), _fixed(place[1]))
         colour = tuple(int(part) for part in colours[i])
         cv2.circle(picture, centre, _fixed(droplets.r_px[i] * scale), colour, 1, cv2.LINE_AA, SUBPIXEL_BITS)
-    _draw_scale_bar(picture, pixel_size_um, scale)
-    return picture
+
+
+def write_picture(path: Path, picture: Picture) -> None:
+    """Write an RGB picture as PNG, and the folder it goes to. Raises `ResultsError` where it cannot."""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(cv2.imencode(".png", np.ascontiguousarray(picture[..., ::-1]))[1].tobytes())
+    except OSError as problem:
+        message = f"The picture cannot be written ({problem.strerror})."
+        raise ResultsError(message, code="results.not_written", file=str(path)) from None
 
 
 def _stretched(frame: npt.NDArray[Any]) -> Picture:

@@ -53,8 +53,8 @@ def measure_stripes(images: Sequence[Image]) -> Stripes:
     """
     if not images:
         return NO_STRIPES
-    along_rows = float(np.median([_strength(image) for image in images]))
-    along_columns = float(np.median([_strength(image.T) for image in images]))
+    along_rows = float(np.median([strength(image) for image in images]))
+    along_columns = float(np.median([strength(image.T) for image in images]))
     strong, weak = max(along_rows, along_columns), min(along_rows, along_columns)
     share = 1.0 - (weak / strong) ** 2 if strong > 0 else 0.0
     if share < _LEAST_SHARE:
@@ -78,7 +78,7 @@ def remove_stripes(image: Image, stripes: Stripes) -> None:
     _subtract(view, ground)
 
 
-def _strength(image: Image) -> float:
+def strength(image: Image) -> float:
     """Standard deviation of what looks like stripes along rows, in levels of `image`; 0 for small frames."""
     ground = _ground(image)
     return 0.0 if ground is None else float(np.median(np.abs(ground))) / 0.6745

@@ -1,11 +1,12 @@
 """The `default` detection, whole: clean the frame, look twice, accept, and say how sure each number is."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
 
-from dropflow.detection.contract import Detection, Frame, Image, Rejected
+from dropflow.detection.contract import Detection, Frame, Image, Rejected, Step
 from dropflow.detection.default.features import MATCH
 from dropflow.detection.default.looks import first_look, look_near, second_look
 from dropflow.detection.default.model import Model, default_model, probability_of
@@ -39,6 +40,13 @@ class DefaultDetector:
         image = corrected(frame, self.estimate, self.tone)
         remove_stripes(image, self.estimate.stripes)
         return image
+
+    def steps(self, frame: Frame) -> Iterator[Step]:
+        """The flat field (and tone), then the stripes."""
+        image = corrected(frame, self.estimate, self.tone)
+        yield Step("flat_field", "divided by the flat field; dark droplets made bright", image.copy())
+        remove_stripes(image, self.estimate.stripes)
+        yield Step("stripes", "lines of light and shadow along the frame taken away", image)
 
     def detect(self, image: Image) -> Detection:
         """Look twice, accept what is likely, each droplet once."""

@@ -1,12 +1,13 @@
 """The paper's detection, whole: prepared frame, both strategies, duplicates, match (sections 3.1.1 to 3.1.3)."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import cv2
 import numpy as np
 import numpy.typing as npt
 
-from dropflow.detection.contract import Detection, Frame, Image, Rejected
+from dropflow.detection.contract import Detection, Frame, Image, Rejected, Step
 from dropflow.detection.paper.circles import Circles
 from dropflow.detection.paper.confidence import position_std_px, probability, radius_std_px
 from dropflow.detection.paper.contrast import black_and_white
@@ -39,10 +40,24 @@ class PaperDetector:
     def prepare(self, frame: Frame) -> Image:
         """Flat field, band pass, contrast: levels 0 to 255, droplets bright (section 3.1.1)."""
         image = corrected(frame, self.estimate, self.tone)
-        brightest = max(abs(float(image.min())), abs(float(image.max())))
+        return self._contrasted(self._filtered(image), image)
+
+    def steps(self, frame: Frame) -> Iterator[Step]:
+        """The flat field (and tone), the band pass, and the contrast."""
+        image = corrected(frame, self.estimate, self.tone)
+        yield Step("flat_field", "divided by the flat field; dark droplets made bright", image)
+        filtered = self._filtered(image)
+        yield Step("band_pass", "what is wider than droplets, stripes and noise filtered away", filtered.copy())
+        yield Step("contrast", "levels stretched to 0 to 255", self._contrasted(filtered, image))
+
+    def _filtered(self, image: Image) -> Image:
         high_pass, low_pass = self.blurs()
-        filtered = band_pass(image, high_pass=high_pass, low_pass=low_pass)
-        noise = noise_std(filtered, apart_px=self.r_min_px, blur_px=low_pass.sigma_x)
+        return band_pass(image, high_pass=high_pass, low_pass=low_pass)
+
+    def _contrasted(self, filtered: Image, image: Image) -> Image:
+        """Stretch `filtered`, which was made of `image`, in place."""
+        brightest = max(abs(float(image.min())), abs(float(image.max())))
+        noise = noise_std(filtered, apart_px=self.r_min_px, blur_px=self.blurs()[1].sigma_x)
         black, white = black_and_white(filtered, noise=noise, knobs=self.knobs)
         return stretch(filtered, black=black, white=white, reference=brightest)
 

@@ -1,0 +1,64 @@
+"""`dropflow preview`: one frame with what is found in it."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from dropflow.cli.options import ExperimentFile, ParametersFile, Stack
+from dropflow.errors import FramesError
+from dropflow.experiment import load_experiment
+from dropflow.frames.contract import Frame, Frames
+from dropflow.parameters import Parameters, load_parameters
+
+
+def preview(
+    stack: Stack,
+    experiment: ExperimentFile,
+    output: Annotated[Path, typer.Option("--output", "-o", help="PNG file to write.", show_default=False)],
+    frame: Annotated[int, typer.Option("--frame", min=0, help="Which frame, counted from 0.")] = 0,
+    parameters: ParametersFile = None,
+    rejected: Annotated[
+        bool, typer.Option("--rejected", help="Draw also what was not accepted, thin and red.")
+    ] = False,
+    steps: Annotated[
+        Path | None, typer.Option("--steps", help="Folder for a picture of each step of preparing the frame.")
+    ] = None,
+    scale: Annotated[int, typer.Option("--scale", min=1, max=8, help="Enlarge the picture this many times.")] = 1,
+) -> None:
+    """Detect the droplets of one frame and draw them on it.
+
+    Example: `dropflow preview frames/ --experiment experiment.yaml --frame 3 --output overlay.png`
+    """
+    # Imported here, for it takes seconds and `--help` and wrong options need none of it.
+    from dropflow import pipeline
+    from dropflow.analysis import flat_field_beside
+    from dropflow.detection import make_detector
+    from dropflow.detection.preview import preview as preview_of
+    from dropflow.figures.overlay import draw_overlay, write_picture
+    from dropflow.frames import Choice, open_frames
+
+    film, knobs = load_experiment(experiment), load_parameters(parameters) if parameters else Parameters()
+    with open_frames(stack, Choice.of(film)) as frames:
+        image = _frame_at(frames, frame)
+        measured = pipeline.estimate(frames, film, knobs, flat_field=flat_field_beside(film, experiment.parent))
+        shown = preview_of(image, make_detector(film, knobs, measured))
+    found, others = shown.detection.droplets, shown.detection.rejected.droplets
+    picture = draw_overlay(
+        shown.frame, found, rejected=others if rejected else None, pixel_size_um=film.pixel_size_um, scale=scale
+    )
+    write_picture(output, picture)
+    if steps is not None:
+        for number, step in enumerate(shown.steps, start=1):
+            picture = draw_overlay(step.image, found[:0], pixel_size_um=film.pixel_size_um)
+            write_picture(steps / f"{number}-{step.name}.png", picture)
+    told = ", ".join(f"{number} {reason}" for reason, number in shown.n_rejected.items()) or "none"
+    typer.echo(f"{len(found)} droplets in frame {frame}; candidates not accepted: {told}")
+    typer.echo(f"The picture is {output}")
+
+
+def _frame_at(frames: Frames, index: int) -> Frame:
+    if index >= len(frames):
+        message = f"There is no frame {index}: the stack has frames 0 to {len(frames) - 1}."
+        raise FramesError(message, code="frames.no_such_frame")
+    return frames[index]
