@@ -34,7 +34,7 @@ def work(context: Context, lease: Lease) -> None:
         tables = context.store.as_folder(tracked, folder / "tables")
         made = folder / "made"
         made.mkdir(exist_ok=True)
-        with lease.kept(), film.frames() as frames:
+        with film.frames() as frames:
             summary = pipeline.analyse_film(
                 frames, film.index, film.experiment, film.parameters, film.measured, tables=tables, folder=made
             )

@@ -7,7 +7,7 @@ whoever lost the lease can no longer change anything. Time is the database's, ne
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from datetime import timedelta
 from typing import Any
@@ -141,7 +141,7 @@ class Lease:
     ) -> None:
         self.claim = claim
         self._sessions, self._lease_s, self._beat = sessions, lease_s, beat
-        self._renewed = time.monotonic()
+        self._renewed = self._spoke = time.monotonic()
         self._n_frames = claim.stop_frame - claim.start_frame
         self._begun_at: int | None = None
         self.pace = Pace(time.monotonic())
@@ -149,6 +149,7 @@ class Lease:
 
     def __call__(self, stage: str, done: int, total: int) -> None:
         """Note progress, renew in time, and raise `Cancelled` or `LeaseLost` if the work is not wanted."""
+        self._spoke = time.monotonic()
         n_done = (self._n_frames or total) * done / max(total, 1)
         is_first, is_last = self._begun_at is None, done >= total
         self._begun_at = done if self._begun_at is None else self._begun_at
@@ -161,21 +162,24 @@ class Lease:
 
     def alive(self, stage: str, done: int, total: int) -> None:  # noqa: ARG002 - the contract's
         """The same for work whose progress is not in frames."""
+        self._spoke = time.monotonic()
         if time.monotonic() - self._renewed > self._lease_s / 4:
             self.renew()
 
     @contextmanager
-    def kept(self, longest_s: float = 1800.0) -> Iterator[None]:
-        """Renew beside work that cannot say how far it is, for so long at most: what takes longer hangs."""
+    def kept(self, longest_step_s: float) -> Iterator[None]:
+        """Renew beside the work while the context lasts, unless the work has said nothing for `longest_step_s`.
+
+        A first frame for which code is compiled, or a sum over a whole film, may take longer than a lease: that is
+        short, so that the work of those who died is soon taken up. Whoever is stopped renews nothing, all threads being
+        stopped with it.
+        """
         is_done = threading.Event()
 
         def keep() -> None:
-            until = time.monotonic() + longest_s
-            while time.monotonic() < until and not is_done.wait(self._lease_s / 4):
-                try:
-                    self.renew()
-                except (LeaseLost, Cancelled):
-                    return  # whoever does the work hears of it when that is done
+            while not is_done.wait(self._lease_s / 4) and time.monotonic() - self._spoke < longest_step_s:
+                with suppress(LeaseLost, Cancelled):  # the work hears of it when it next says how far it is
+                    self._renew_now(None, is_fruitful=False)
 
         keeper = threading.Thread(target=keep, name="lease", daemon=True)
         keeper.start()
@@ -184,10 +188,13 @@ class Lease:
         finally:
             is_done.set()
             keeper.join()
-        self.renew()
 
     def renew(self, done_frames: int | None = None, *, is_fruitful: bool = False) -> None:
         """Tell that we live, and hear whether we shall stop, in one statement."""
+        self._spoke = time.monotonic()
+        self._renew_now(done_frames, is_fruitful=is_fruitful)
+
+    def _renew_now(self, done_frames: int | None, *, is_fruitful: bool) -> None:
         self._beat()
         try:
             with self._sessions.begin() as session:

@@ -57,7 +57,8 @@ def _do(context: Context, taken: Claim) -> None:
     try:
         with at_work(context.settings.work_dir) as beat:
             lease = Lease(context.sessions, taken, lease_s=context.settings.lease_s, beat=beat)
-            WORK[Task(taken.task)](context, lease)
+            with lease.kept(context.settings.longest_step_s):
+                WORK[Task(taken.task)](context, lease)
     except LeaseLost:
         raise
     except Cancelled:

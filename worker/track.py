@@ -53,13 +53,11 @@ def work(context: Context, lease: Lease) -> None:
                 folder=folder,
                 progress=lease,
             )
-        with lease.kept():
-            sizes = pack(_count_tracked(film, folder / "trajectories.parquet"))
-            flow = pack(flow_moments(folder / FLOW, film.experiment.up))
+        sizes = pack(_count_tracked(film, folder / "trajectories.parquet"))
+        flow = pack(flow_moments(folder / FLOW, film.experiment.up))
         prefix = product_prefix(claim.experiment_id, claim.shard_id, claim.fence)
         _store(context.store, folder, prefix, lease)
-        with lease.kept():
-            quality = frame_quality(folder, np.array(film.index.times_s), film.experiment)
+        quality = frame_quality(folder, np.array(film.index.times_s), film.experiment)
         context.store.put(prefix + QUALITY_FILE, pack(quality))
         publish(context, claim, NewProduct(prefix, _files(folder, lease), sizes, flow))
 

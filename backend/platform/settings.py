@@ -50,7 +50,9 @@ class Settings(BaseSettings):
     """How long an upload that broke off can be continued after its last byte."""
 
     lease_s: Annotated[float, Field(ge=1, le=3600)] = 60.0
-    """How long a worker may be silent before its work goes to another; longer than any one frame takes."""
+    """How long a worker may be silent before its work goes to another."""
+    longest_step_s: Annotated[float, Field(ge=1, le=86400)] = 1800.0
+    """How long work may go on without a frame being done. What takes longer hangs, and is tried again."""
     reconcile_every_s: Annotated[float, Field(ge=0.1, le=60)] = 5.0
     """How often lost messages and expired leases are looked for."""
     resend_after_s: Annotated[float, Field(ge=0.1, le=600)] = 10.0

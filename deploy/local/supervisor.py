@@ -22,9 +22,9 @@ class Service(Protocol):
     def start(self) -> Child: ...
 
 
-def delay_s(n_failures: int) -> float:
+def delay_s(n_failures: int, longest_s: float = LONGEST_DELAY_S) -> float:
     """How long to wait before the next start after `n_failures` deaths in a row."""
-    return min(FIRST_DELAY_S * 2.0 ** min(n_failures - 1, 10), LONGEST_DELAY_S)
+    return min(FIRST_DELAY_S * 2.0 ** min(n_failures - 1, 10), longest_s)
 
 
 @dataclass
@@ -44,6 +44,7 @@ class Supervisor:
     """What it starts, it watches, until `stop`. `say` tells the person who started us."""
 
     say: Callable[[str], None]
+    longest_delay_s: float = LONGEST_DELAY_S
     supervised: list[Supervised] = field(default_factory=list)
 
     def start(self, service: Service, *, tier: int) -> Child:
@@ -89,7 +90,7 @@ class Supervisor:
     def _note_death(self, entry: Supervised, how: str) -> None:
         now = time.monotonic()
         entry.n_failures = 1 if now - entry.started_at > HEALTHY_AFTER_S else entry.n_failures + 1
-        wait_s = delay_s(entry.n_failures)
+        wait_s = delay_s(entry.n_failures, self.longest_delay_s)
         entry.start_again_at = now + wait_s
         self.say(f"{entry.service.name} {how}; it is started again in {wait_s:.0f} s (log: {entry.child.log}).")
 
