@@ -104,6 +104,8 @@ class Shard(Identified, Dated, Base):
         Index(None, "experiment_id"),
         Index("ix_shard_open", "state", "lease_until", postgresql_where="state IN ('queued', 'running')"),
         Index(None, "person_id", "started_at"),
+        Index("ix_shard_waiting", "run_id", "start_frame", postgresql_where="state = 'queued'"),
+        Index("ix_shard_at_work", "person_id", postgresql_where="state = 'running'"),
     )
 
     experiment_id: Mapped[UUID] = mapped_column(ForeignKey("experiment.id", ondelete="CASCADE"))
