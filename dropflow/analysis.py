@@ -25,6 +25,7 @@ from dropflow.experiment import Experiment
 from dropflow.frames import Choice, Frame, open_frames, open_image
 from dropflow.ingest import StackIndex, index_stack
 from dropflow.parameters import Parameters
+from dropflow.physics.over_time import material_over_time
 from dropflow.preprocess import StackEstimate
 from dropflow.progress import Progress, silent
 from dropflow.provenance import content_key, provenance
@@ -60,6 +61,7 @@ def open_film(
     with ExitStack() as opened:
         attachments = {field: opened.enter_context(path.open("rb")) for field, path in paths.items()}
         index = index_stack(source, experiment, attachments=attachments, progress=progress)
+    material_over_time(experiment, index.n_frames, index.temperatures_c)  # what is wrong with it, before hours of work
     flat_field = flat_field_beside(experiment, beside)
     with open_frames(source, Choice.of(experiment)) as frames:
         measured = pipeline.estimate(frames, experiment, parameters, flat_field=flat_field)

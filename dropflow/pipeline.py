@@ -100,6 +100,7 @@ def track_film(
             frames,
             reader,
             times_s=np.array(index.times_s),
+            temperature_c=None if index.temperatures_c is None else np.array(index.temperatures_c),
             experiment=experiment,
             parameters=parameters,
             detector=make_detector(experiment, parameters, measured),

@@ -8,6 +8,7 @@ from backend.platform.store_files import StoreFiles
 from dropflow import pipeline
 from dropflow.frames import Frame, open_frames
 from dropflow.ingest import StackIndex
+from dropflow.physics.over_time import material_over_time
 from dropflow.preprocess import StackEstimate
 from worker.context import Context
 from worker.fan_in import NewShard
@@ -23,8 +24,11 @@ def work(context: Context, lease: Lease) -> None:
     """Store index and estimate of the film, and put its detection on the list."""
     claim = lease.claim
     film, uploaded = load_film(context, claim)
-    index = _timed(context, film, uploaded)
-    measured = _measure(context, film)
+    with lease.kept():
+        index = _timed(context, film, uploaded)
+        # What is wrong with the material or its temperatures, before hours of work.
+        material_over_time(film.experiment, index.n_frames, index.temperatures_c)
+        measured = _measure(context, film)
     prefix = product_prefix(claim.experiment_id, claim.shard_id, claim.fence)
     context.store.put(prefix + INDEX_FILE, index.model_dump_json().encode())
     context.store.put(prefix + ESTIMATE_FILE, _packed(measured))

@@ -25,7 +25,7 @@ from backend.runs.repository import Done
 from dropflow.errors import ExperimentError
 from dropflow.experiment import Experiment as Document
 from dropflow.experiment import parse_experiment
-from dropflow.physics.material import resolve
+from dropflow.physics.over_time import check_material
 
 _SAYS_HOW_TO_UNDERSTAND = {
     "name",
@@ -104,7 +104,7 @@ def read_document(content: dict[str, Any]) -> Document:
     if problems:
         raise ExperimentError("Please correct:", fields=problems)
     document = parse_experiment(content)
-    resolve(document)
+    check_material(document)
     return document
 
 

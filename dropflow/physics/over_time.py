@@ -1,5 +1,6 @@
 """Density difference and viscosity frame by frame: along a temperature ramp they change."""
 
+import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -42,7 +43,13 @@ class MaterialOverTime:
     @property
     def is_constant(self) -> bool:
         """Whether it is the same in all frames."""
-        return bool(np.ptp(self.delta_density_kg_m3) == 0 and np.ptp(self.viscosity_pa_s) == 0)
+        values = np.stack([self.delta_density_kg_m3, self.viscosity_pa_s])
+        return bool((values == values[:, :1]).all())
+
+    @property
+    def checksum(self) -> str:
+        """SHA-256 of all values."""
+        return hashlib.sha256(self.delta_density_kg_m3.tobytes() + self.viscosity_pa_s.tobytes()).hexdigest()
 
 
 def material_over_time(
@@ -71,7 +78,7 @@ def material_over_time(
     if material is None or material.mixture is None:
         fixed = resolve(experiment)
         return MaterialOverTime(np.full(n_frames, fixed.delta_density_kg_m3), np.full(n_frames, fixed.viscosity_pa_s))
-    _check_known(experiment, material.name, temperature_c)
+    _check_known(experiment, material.name, has_temperature=temperature_c is not None)
     at_c = np.asarray(temperature_c, np.float64)
     properties = MixtureProperties(material)
     _check_demixed(at_c, properties.binodal.range_c)
@@ -81,9 +88,17 @@ def material_over_time(
     return MaterialOverTime(density(droplet, at_c) - density(fluid, at_c), properties.viscosity_pa_s(fluid, at_c))
 
 
-def _check_known(experiment: Experiment, name: str, temperature_c: Sequence[float] | Floats | None) -> None:
+def check_material(experiment: Experiment) -> None:
+    """Raise the errors of `material_over_time` that can be told before there is a film."""
+    name = experiment.material
+    material = find_material(name) if isinstance(name, str) else None
+    if material is not None and material.mixture is not None:
+        _check_known(experiment, material.name, has_temperature=experiment.temperature_log is not None)
+
+
+def _check_known(experiment: Experiment, name: str, *, has_temperature: bool) -> None:
     problems = []
-    if temperature_c is None:
+    if not has_temperature:
         problems.append(FieldProblem("temperature_log", f"is needed: {name} has other values at each temperature"))
     if experiment.phase is None:
         problems.append(FieldProblem("phase", f"is needed: the phases of {name} differ in density and viscosity"))

@@ -69,7 +69,9 @@ class BackwardPass:
         earlier = earlier[earlier.is_seen | np.isin(earlier.trajectory_id, self._front.trajectory_id)]
         predicted_px = np.zeros((2, len(earlier)))
         if frame + 1 < self._film.n_frames:
-            step = self._walk.step(self._front, earlier, self._film.look_at(frame), self._film.dt_s(frame))
+            motion = self._film.motion(self._chain.motion, frame)
+            look = self._film.look_at(frame)
+            step = self._walk.step(self._front, earlier, look, self._film.dt_s(frame), motion)
             earlier, predicted_px = step.front, step.predicted_px
             self._merged = np.concatenate([self._merged, np.column_stack([step.merged, step.merged_into])])
         self._front = earlier

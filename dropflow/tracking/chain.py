@@ -41,8 +41,11 @@ class LaterWalk(Walk, Protocol):
 class ForwardWalk(Walk, Protocol):
     """From frame to frame (section 3.3.1)."""
 
-    def step(self, detected: Droplets, look: Look | None, dt_s: float) -> Front:
-        """Go on by `dt_s` to the frame with these detections; return where all trajectories are in it."""
+    def step(self, detected: Droplets, look: Look | None, dt_s: float, motion: Motion) -> Front:
+        """Go on by `dt_s` to the frame with these detections, droplets moving as `motion` says in this step.
+
+        Returns where all trajectories are in it.
+        """
         ...
 
 
@@ -61,7 +64,7 @@ class StepBack:
 class BackwardWalk(LaterWalk, Protocol):
     """From frame to the frame before (section 3.3.2)."""
 
-    def step(self, later: Front, earlier: Front, look: Look | None, dt_s: float) -> StepBack:
+    def step(self, later: Front, earlier: Front, look: Look | None, dt_s: float, motion: Motion) -> StepBack:
         """Look in the earlier frame, `dt_s` before, for the droplets whose trajectories begin in the later one."""
         ...
 
@@ -69,7 +72,7 @@ class BackwardWalk(LaterWalk, Protocol):
 class FlowWalk(LaterWalk, Protocol):
     """The final flow field of each step. A method may need later steps to know an earlier one."""
 
-    def add(self, before: Front, after: Front, dt_s: float) -> Iterable[FlowField]:
+    def add(self, before: Front, after: Front, dt_s: float, motion: Motion) -> Iterable[FlowField]:
         """Take the next step, the same trajectories before and after it; give the fields known by now, in order."""
         ...
 
@@ -88,7 +91,7 @@ class Chain(Protocol):
 
     @property
     def motion(self) -> Motion:
-        """How droplets move."""
+        """How droplets move, but for what changes along the film: see `dropflow.tracking.film.Film.motion`."""
         ...
 
     def forward(self) -> ForwardWalk:

@@ -1,7 +1,7 @@
 """What tracking is given: times, detections and images of a film, frame by frame."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -10,7 +10,9 @@ from dropflow.detection.contract import Detector
 from dropflow.droplets import Droplets
 from dropflow.errors import ExperimentError, FieldProblem, ResultsError
 from dropflow.frames import Frames
+from dropflow.physics.over_time import MaterialOverTime
 from dropflow.tracking.follow import Look
+from dropflow.tracking.prediction import Motion
 
 FRAMES_PER_PART = 32
 """After so many frames the state is saved."""
@@ -26,6 +28,8 @@ class Film:
     frames: Frames | None
     """None where only detections are tracked and no image is looked at."""
     detector: Detector | None
+    material: MaterialOverTime | None = None
+    """Of each frame, where it changes along the film."""
 
     def __post_init__(self) -> None:
         times_s = np.asarray(self.times_s)
@@ -55,6 +59,10 @@ class Film:
     def frames_of(self, part: int) -> range:
         """The frames of one part."""
         return range(part * FRAMES_PER_PART, min((part + 1) * FRAMES_PER_PART, self.n_frames))
+
+    def motion(self, mean: Motion, frame: int) -> Motion:
+        """How droplets move between `frame` and the next, where `mean` is how they do over the film."""
+        return mean if self.material is None else replace(mean, material=self.material.at(frame))
 
     def dt_s(self, frame: int) -> float:
         """Time from `frame` to the next, s."""

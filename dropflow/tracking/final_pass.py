@@ -148,19 +148,21 @@ class FinalPass:
         self._velocity_um_s = np.full((2, len(later)), np.nan)
         self._velocity_um_s[:, links.later] = velocity_um_s
         self._front = later
-        flows.extend(self._flows.add(before, after, dt_s))
+        motion = self._film.motion(self._chain.motion, frame - 1)
+        flows.extend(self._flows.add(before, after, dt_s, motion))
         return rows
 
     def _rows(self, frame: int) -> pa.Table:
         front = self._front
-        time_s, pixel_size_um = float(self._film.times_s[frame]), self._chain.motion.pixel_size_um
+        motion = self._film.motion(self._chain.motion, frame)
+        time_s, pixel_size_um = float(self._film.times_s[frame]), motion.pixel_size_um
         droplets = front.droplets.to_table(frame=frame, time_s=time_s, pixel_size_um=pixel_size_um)
         more = {
             "trajectory_id": front.trajectory_id,
             "is_detected": front.is_detected,
             "u_um_s": self._velocity_um_s[0],
             "v_um_s": self._velocity_um_s[1],
-            "sedimentation_um_s": self._chain.motion.sedimentation_um_s(front.smooth_r_px),
+            "sedimentation_um_s": motion.sedimentation_um_s(front.smooth_r_px),
         }
         columns = {name: droplets[name] if name in droplets.column_names else more[name] for name in TRAJECTORIES.names}
         return pa.table(columns, schema=TRAJECTORIES)

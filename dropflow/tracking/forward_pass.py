@@ -16,6 +16,7 @@ class ForwardPass:
     def __init__(self, film: Film, chain: Chain, rows: Spool) -> None:
         self._film = film
         self._rows = rows
+        self._chain = chain
         self._walk = chain.forward()
         self.n_parts = film.n_parts
 
@@ -31,7 +32,8 @@ class ForwardPass:
         tables = []
         for frame in self._film.frames_of(turn):
             dt_s = self._film.dt_s(frame - 1) if frame else 1.0  # into the first frame nothing moves
-            front = self._walk.step(self._film.detected(frame), self._film.look_at(frame), dt_s)
+            motion = self._film.motion(self._chain.motion, max(frame - 1, 0))
+            front = self._walk.step(self._film.detected(frame), self._film.look_at(frame), dt_s, motion)
             tables.append(front.to_table(frame))
             tick()
         self._rows.write(turn, pa.concat_tables(tables))

@@ -18,6 +18,7 @@ from dropflow.experiment import Experiment
 from dropflow.frames import Frames
 from dropflow.parameters import Parameters, TrackingMethod
 from dropflow.physics.material import resolve
+from dropflow.physics.over_time import material_over_time
 from dropflow.progress import Progress, silent
 from dropflow.tables import TRAJECTORIES
 from dropflow.tracking.assembly import rejected_trajectories, sorted_trajectories, write_table
@@ -67,6 +68,7 @@ def track(
     parameters: Parameters,
     detector: Detector,
     folder: Path,
+    temperature_c: npt.NDArray[np.float64] | None = None,
     provenance: dict[str, Any] | None = None,
     progress: Progress = silent,
 ) -> TrackingResult:
@@ -88,6 +90,8 @@ def track(
     folder : Path
         Gets ``trajectories.parquet``, ``rejected_trajectories.parquet`` and ``flow.zarr``, and keeps what is needed
         to go on after the process died: with the same input the results are the same bytes, however often it did.
+    temperature_c : ndarray, float64, shape (n_frames,), optional
+        Needed where the material's numbers depend on temperature: droplets are predicted with those of each frame.
     provenance : dict, optional
         JSON document that is written into each result.
     progress : Progress
@@ -100,7 +104,9 @@ def track(
     ResultsError
         Detections that are not finite, or no frame at all.
     """
-    film = Film(np.asarray(times_s, np.float64), detections, frames, detector)
+    material = material_over_time(experiment, len(times_s), temperature_c)
+    changing = None if material.is_constant else material
+    film = Film(np.asarray(times_s, np.float64), detections, frames, detector, changing)
     return track_film(film, frames.shape, experiment, parameters, folder, provenance or {}, progress)
 
 
@@ -115,7 +121,8 @@ def track_film(
 ) -> TrackingResult:
     """As `track`, for a film that need not have images; `shape` are the rows and columns of its frames."""
     grid = Grid(*shape, parameters.flow.n_rows, parameters.flow.n_columns)
-    motion = Motion.of(experiment, resolve(experiment))
+    material = film.material.mean if film.material is not None else resolve(experiment)
+    motion = Motion.of(experiment, material)
     chain = make_chain(grid, motion, parameters)
     work = folder / "tracking"
     work.mkdir(parents=True, exist_ok=True)
@@ -230,6 +237,7 @@ def _fingerprint(film: Film, chain: Chain, provenance: dict[str, Any]) -> str:
         film.frames is not None,
         [chain.grid.height_px, chain.grid.width_px],
         [motion.pixel_size_um, motion.up, motion.material.model_dump(mode="json")],
+        None if film.material is None else film.material.checksum,
         [chain.grid.n_rows, chain.grid.n_columns],
         chain.settings(),
         provenance,

@@ -10,6 +10,7 @@ from dropflow.tracking.flow import FlowField, still_flow
 from dropflow.tracking.follow import Look, follow
 from dropflow.tracking.front import Front, Links
 from dropflow.tracking.paper.rules import PaperRules
+from dropflow.tracking.prediction import Motion
 from dropflow.tracking.saving import load_flow, save_flow
 
 
@@ -20,9 +21,9 @@ class PaperBackward:
         self._rules = rules
         self._flow: FlowField | None = None
 
-    def step(self, later: Front, earlier: Front, look: Look | None, dt_s: float) -> StepBack:
+    def step(self, later: Front, earlier: Front, look: Look | None, dt_s: float, motion: Motion) -> StepBack:
         """Look one frame earlier for the droplets whose trajectories begin in `later`."""
-        step, flow = retreat(later, earlier, look, self._rules, self._flow, dt_s)
+        step, flow = retreat(later, earlier, look, replace(self._rules, motion=motion), self._flow, dt_s)
         self._flow = flow if flow.is_known else self._flow
         return step
 

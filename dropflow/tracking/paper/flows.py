@@ -1,11 +1,13 @@
 """The paper's flow field of each step, from the trajectories that are left at the end (section 3.3.3)."""
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 from dropflow.tracking.checkpoint import Arrays
 from dropflow.tracking.flow import FlowField
 from dropflow.tracking.front import Front
 from dropflow.tracking.paper.rules import PaperRules
+from dropflow.tracking.prediction import Motion
 
 
 class PaperFlows:
@@ -14,9 +16,9 @@ class PaperFlows:
     def __init__(self, rules: PaperRules) -> None:
         self._rules = rules
 
-    def add(self, before: Front, after: Front, dt_s: float) -> Iterable[FlowField]:
+    def add(self, before: Front, after: Front, dt_s: float, motion: Motion) -> Iterable[FlowField]:
         """The field of this step."""
-        return [self._rules.flow_between(before.droplets, after.droplets, dt_s)]
+        return [replace(self._rules, motion=motion).flow_between(before.droplets, after.droplets, dt_s)]
 
     def finish(self) -> Iterable[FlowField]:
         """Nothing is left."""

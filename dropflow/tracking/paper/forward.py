@@ -1,6 +1,6 @@
 """One step forward: every droplet to its place in the next frame (sections 3.2.1 and 3.3.1)."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from dropflow.tracking.follow import Followed, Look, follow
 from dropflow.tracking.front import Front
 from dropflow.tracking.identification import Pairs
 from dropflow.tracking.paper.rules import PaperRules
-from dropflow.tracking.prediction import moved
+from dropflow.tracking.prediction import Motion, moved
 from dropflow.tracking.saving import load_flow, load_front, save_flow, save_front
 
 _MOST_ROUNDS = 8
@@ -43,9 +43,9 @@ class PaperForward:
         self._rules = rules
         self._state = State.initial()
 
-    def step(self, detected: Droplets, look: Look | None, dt_s: float) -> Front:
+    def step(self, detected: Droplets, look: Look | None, dt_s: float, motion: Motion) -> Front:
         """Go on to the frame with these detections."""
-        self._state = advance(self._state, detected, look, self._rules, dt_s)
+        self._state = advance(self._state, detected, look, replace(self._rules, motion=motion), dt_s)
         return self._state.front
 
     def state(self) -> Arrays:

@@ -35,8 +35,9 @@ class ProbableBackward:
         self._motion = motion
         self._flow = FlowMemory(grid, motion.up)
 
-    def step(self, later: Front, earlier: Front, look: Look | None, dt_s: float) -> StepBack:
+    def step(self, later: Front, earlier: Front, look: Look | None, dt_s: float, motion: Motion) -> StepBack:
         """Look one frame earlier for the droplets whose trajectories begin in `later`."""
+        self._motion = motion
         links = Links.between(earlier, later)
         heads = np.setdiff1d(np.arange(len(later)), links.later)
         tails = np.setdiff1d(np.arange(len(earlier)), links.earlier)

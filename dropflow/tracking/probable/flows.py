@@ -31,8 +31,9 @@ class ProbableFlows:
         self._n_after = 0
         """Steps of the window whose field is still to come."""
 
-    def add(self, before: Front, after: Front, dt_s: float) -> Iterable[FlowField]:
+    def add(self, before: Front, after: Front, dt_s: float, motion: Motion) -> Iterable[FlowField]:
         """Take a step; give the field of the one `_LAG` steps before."""
+        self._motion = motion
         weight = (before.is_seen & after.is_seen).astype(np.float64)
         seen = observe(
             self._motion,

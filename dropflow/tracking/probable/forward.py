@@ -48,8 +48,9 @@ class ProbableForward:
         self._scales = Scales()
         self._next_id = 0
 
-    def step(self, detected: Droplets, look: Look | None, dt_s: float) -> Front:
+    def step(self, detected: Droplets, look: Look | None, dt_s: float, motion: Motion) -> Front:
         """Go on to the frame with these detections."""
+        self._motion = motion
         memory = self._memory.aged(dt_s, self._flow.noise_um_s**2)
         outcome = ForwardStep(
             self._front.droplets, memory, detected, self._grid, self._motion, self._flow, self._scales, dt_s

@@ -64,8 +64,12 @@ def film(
     n_false: int = 0,
     radius_error: float = 0.0,
     interval_s: float | Floats = 1.0,
+    strength: Floats | None = None,
 ) -> Film:
-    """Follow random droplets through `flow` and report those inside the frame, in a new order each time."""
+    """Follow random droplets through `flow` and report those inside the frame, in a new order each time.
+
+    `strength` says how many times stronger than at first they sediment in each frame, shape (n_frames,).
+    """
     rng = np.random.default_rng(seed)
     about = experiment()
     height, width = shape
@@ -87,7 +91,8 @@ def film(
         frames.append(droplets)
         truth.append(np.append(seen, np.full(n_false, -1)))
         if frame + 1 < n_frames:
-            x, y = _moved(x, y, rise, flow, times[frame], times[frame + 1])
+            now = rise if strength is None else rise * strength[frame]
+            x, y = _moved(x, y, now, flow, times[frame], times[frame + 1])
     return Film(about, shape, times, frames, truth)
 
 
