@@ -24,11 +24,10 @@ def work(context: Context, lease: Lease) -> None:
     """Store index and estimate of the film, and put its detection on the list."""
     claim = lease.claim
     film, uploaded = load_film(context, claim)
-    with lease.kept():
-        index = _timed(context, film, uploaded)
-        # What is wrong with the material or its temperatures, before hours of work.
-        material_over_time(film.experiment, index.n_frames, index.temperatures_c)
-        measured = _measure(context, film)
+    index = _timed(context, film, uploaded)
+    # What is wrong with the material or its temperatures, before hours of work.
+    material_over_time(film.experiment, index.n_frames, index.temperatures_c)
+    measured = _measure(context, film)
     prefix = product_prefix(claim.experiment_id, claim.shard_id, claim.fence)
     context.store.put(prefix + INDEX_FILE, index.model_dump_json().encode())
     context.store.put(prefix + ESTIMATE_FILE, _packed(measured))
