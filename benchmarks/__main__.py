@@ -3,7 +3,7 @@
 import runpy
 import sys
 
-BENCHMARKS = ("analyse",)
+BENCHMARKS = ("analyse", "lists")
 
 
 def main() -> None:

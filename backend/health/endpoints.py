@@ -17,11 +17,18 @@ router = APIRouter(tags=["health"])
 log = structlog.get_logger()
 
 
+API_VERSION = "1.1"
+"""Of /api/v1: a minor version only adds. `docs/reference/rest-api.md` says what each added."""
+
+
 class Health(BaseModel):
     """The service can do its work."""
 
     status: Literal["ok"] = "ok"
     version: str
+    """Of the software."""
+    api_version: str = API_VERSION
+    """Of the API: what worked with a smaller minor version works with this one."""
 
 
 class Away(ServiceError):

@@ -15,7 +15,23 @@ from dropflow.errors import DropflowError
 for _library in ("OMP", "OPENBLAS", "MKL"):
     os.environ.setdefault(f"{_library}_NUM_THREADS", "1")
 
-COMMANDS = ("analyse", "detect", "preview", "suggest", "simulate", "score", "material", "ramp", "report", "export")
+COMMANDS = (
+    "analyse",
+    "detect",
+    "preview",
+    "suggest",
+    "simulate",
+    "score",
+    "material",
+    "ramp",
+    "report",
+    "export",
+    "login",
+    "submit",
+    "status",
+    "fetch",
+    "compare",
+)
 """Each is a function of this name in the module of this name, in the order of the help."""
 
 
@@ -73,6 +89,11 @@ def main() -> None:
         sys.exit(2)
     except DropflowError as error:
         typer.echo(f"dropflow: {error} [{error.code}]", err=True)
+        sys.exit(2)
+    except ImportError as error:
+        if "dropflow[" not in str(error):
+            raise  # a bug, not an extra that is not installed
+        typer.echo(f"dropflow: {error}", err=True)
         sys.exit(2)
     except KeyboardInterrupt:
         typer.echo("dropflow: stopped; started again, it goes on from here.", err=True)

@@ -462,6 +462,10 @@ export type Group = {
  */
 export type Health = {
     /**
+     * Api Version
+     */
+    api_version?: string;
+    /**
      * Status
      */
     status?: 'ok';
