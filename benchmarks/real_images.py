@@ -143,10 +143,15 @@ def main() -> None:
         with open_frames(given.data / images.path, Choice(grey_from=images.grey_from)) as frames:
             for i in which:
                 report(images, f"{images.path.split('/')[0]} frame {i}", frames[i], base, given.overlays)
-    for file in sorted((given.data / BUBBLES.path).glob("*.png")):
+    bubbles(given.data, base, given.overlays)
+
+
+def bubbles(data: Path, base: Parameters | None = None, overlays: Path | None = None) -> None:
+    """Print what is found of the labelled bubbles."""
+    for file in sorted((data / BUBBLES.path).glob("*.png")):
         with open_frames(file) as frames:
-            droplets = report(BUBBLES, file.stem, frames[0], base, given.overlays)
-        print(f"{'':55} {score_bubbles(given.data / 'bubbles_zerog_gold', file.stem, droplets)}")
+            droplets = report(BUBBLES, file.stem, frames[0], base or Parameters(), overlays)
+        print(f"{'':55} {score_bubbles(data / 'bubbles_zerog_gold', file.stem, droplets)}")
 
 
 if __name__ == "__main__":

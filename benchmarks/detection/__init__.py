@@ -1,0 +1,1 @@
+"""Accuracy and speed of detection beside its peers: `python -m benchmarks.detection`."""
