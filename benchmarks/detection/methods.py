@@ -18,16 +18,6 @@ from dropflow.preprocess import estimate_stack
 Found = tuple[Droplets, float]
 
 
-def cpu_ms(work: Callable[[], object], n_times: int = 1) -> float:
-    """Least CPU time of so many runs, ms."""
-    best = np.inf
-    for _ in range(n_times):
-        start = time.process_time()
-        work()
-        best = min(best, time.process_time() - start)
-    return 1e3 * best
-
-
 def ours(still: Still, method: str) -> Found:
     """Droplets by a method of Dropflow; what is done once a stack is not counted."""
     film, knobs = still.experiment(), still.parameters(method)
