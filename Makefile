@@ -25,7 +25,7 @@ export PORT DATA PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .SILENT:
 .DELETE_ON_ERROR:
-.PHONY: help setup python page browser run test test-full test-page lint types bench bench-detection docs lock clean
+.PHONY: help setup python page browser run sign-in test test-full test-page lint types bench bench-detection docs lock clean
 
 help: ## say what can be made
 	sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 20
@@ -34,6 +34,9 @@ setup: python page browser ## install everything, once
 
 run: python page ## start Dropflow here: PORT=8000 DATA=data
 	exec $(WITH_ME) $(BIN)/python -m deploy.local
+
+sign-in: python ## another link to sign in with, while Dropflow runs here: PORT=8000 DATA=data
+	$(BIN)/python -m deploy.local.sign_in
 
 # The limit ends a run whose process does not end, as a thread left behind by a failing test can make it.
 test: setup test-page ## the quick tests (under 15 minutes on 2 cores)

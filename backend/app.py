@@ -4,6 +4,7 @@ import asyncio
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
+import structlog
 from fastapi import APIRouter, Depends, FastAPI
 from sqlalchemy.exc import ProgrammingError
 from starlette.types import Lifespan
@@ -11,11 +12,13 @@ from starlette.types import Lifespan
 from backend.experiments.endpoints import router as experiments
 from backend.flow.endpoints import router as flow
 from backend.forms.endpoints import router as forms
+from backend.groups.endpoints import router as groups
 from backend.health.endpoints import router as health
 from backend.operations.endpoints import router as operations
 from backend.operations.measures import served
 from backend.page import install as install_page
-from backend.people.service import ensure_local_people
+from backend.people.endpoints import account_router, invitations_router, people_router, session_router
+from backend.people.service import ensure_local_people, ensure_local_secrets, has_administrator
 from backend.planning.endpoints import router as planning
 from backend.platform import problems
 from backend.platform.bodies import BoundedBodies
@@ -30,6 +33,7 @@ from backend.platform.object_store import ObjectStore
 from backend.platform.openapi import document
 from backend.platform.origins import LocalOnly
 from backend.platform.queue import Queue
+from backend.platform.rates import Rates
 from backend.platform.settings import Settings, environment_settings
 from backend.platform.stopping import before_stopping
 from backend.quality.endpoints import router as quality
@@ -37,12 +41,14 @@ from backend.results.endpoints import router as results
 from backend.runs.endpoints import router as runs
 from backend.stacks.endpoints import router as stacks
 from backend.stacks.images import OpenStacks
+from backend.tokens.endpoints import router as tokens
 from backend.trajectories.endpoints import router as trajectories
 from backend.uploads.endpoints import router as uploads
 from backend.uploads.intake import Intakes
 from dropflow.provenance import code_version
 
 API = "/api/v1"
+log = structlog.get_logger()
 
 
 class NotMigrated(RuntimeError):
@@ -79,7 +85,9 @@ def bare_app(lifespan: Lifespan[FastAPI] | None = None) -> FastAPI:
         lifespan=lifespan,
     )
     api = APIRouter(prefix=API, dependencies=[Depends(check_media)])
-    for router in (health, forms, experiments, stacks, uploads, runs, results, trajectories, flow, quality, planning):
+    lab = (session_router, account_router, people_router, groups, invitations_router, tokens)
+    films = (experiments, stacks, uploads, runs, results, trajectories, flow, quality, planning)
+    for router in (health, forms, *lab, *films):
         api.include_router(router)
     app.include_router(api)
     problems.install(app)
@@ -98,6 +106,7 @@ def _lifespan(settings: Settings) -> Lifespan[FastAPI]:
             store=ObjectStore(settings.object_store_url),
             queue=Queue(settings.redis_url),
             listener=Listener(settings.database_url),
+            rates=Rates(settings.redis_url),
         )
         app.state.platform, app.state.open_stacks, app.state.intakes = platform, OpenStacks(), Intakes()
         try:
@@ -118,9 +127,14 @@ def _lifespan(settings: Settings) -> Lifespan[FastAPI]:
 
 
 def _greet(platform: Platform) -> None:
-    """Find the database in the form that this version needs, and its first person in it."""
+    """Find the database in the form that this version needs, and somebody in it who looks after the service."""
+    settings = platform.settings
     try:
         with platform.sessions.begin() as session:
-            ensure_local_people(session)
+            if settings.auth == "local":
+                ensure_local_people(session)
+                ensure_local_secrets(session, settings)
+            elif not has_administrator(session):
+                log.warning("nobody can sign in yet", hint="dropflow-server administrator EMAIL")
     except ProgrammingError:
         raise NotMigrated("The database has not the tables of this version: run `alembic upgrade head`.") from None

@@ -11,8 +11,8 @@ from fastapi.sse import EventSourceResponse
 from backend.experiments import service
 from backend.experiments.errors import NoSuchExperiment, RunActive
 from backend.experiments.schemas import ChangeExperiment, Experiment, ExperimentQuery, Experiments, NewExperiment
-from backend.people.errors import NoSuchGroup
-from backend.platform.dependencies import PlatformDependency, SessionDependency, ViewerDependency
+from backend.groups.errors import NoSuchGroup
+from backend.platform.dependencies import EditorDependency, PlatformDependency, SessionDependency, ViewerDependency
 from backend.platform.entity_tags import ChangedMeanwhile, IfMatch, tag_of
 from backend.platform.events import experiment_topic
 from backend.platform.idempotency import KeyOfAnother, MadeAndDeleted, OnceDependency
@@ -36,14 +36,14 @@ def experiments_list(
     responses=responses(NoSuchGroup, MadeAndDeleted, KeyOfAnother, InvalidRequest),
 )
 def experiments_create(
-    session: SessionDependency, viewer: ViewerDependency, once: OnceDependency, new: NewExperiment
+    session: SessionDependency, viewer: EditorDependency, once: OnceDependency, new: NewExperiment
 ) -> Experiment:
     """Describe what was filmed. Its frames are uploaded next."""
     made = once.create(
         lambda: service.create(session, viewer, new.experiment, new.group_id),
         lambda experiment_id: service.get(session, viewer, experiment_id),
     )
-    return service.shown(session, made)
+    return service.shown(session, viewer, made)
 
 
 def _tagged(answer: Response, shown: Experiment) -> Experiment:
@@ -56,13 +56,13 @@ def experiments_get(
     session: SessionDependency, viewer: ViewerDependency, experiment_id: UUID, answer: Response
 ) -> Experiment:
     """Look at one experiment."""
-    return _tagged(answer, service.shown(session, service.get(session, viewer, experiment_id)))
+    return _tagged(answer, service.shown(session, viewer, service.get(session, viewer, experiment_id)))
 
 
 @router.patch("/{experiment_id}", responses=responses(NoSuchExperiment, RunActive, ChangedMeanwhile, InvalidRequest))
 def experiments_update(
     session: SessionDependency,
-    viewer: ViewerDependency,
+    viewer: EditorDependency,
     experiment_id: UUID,
     change: ChangeExperiment,
     answer: Response,
@@ -70,7 +70,7 @@ def experiments_update(
 ) -> Experiment:
     """Replace the description. Refused while a run goes on; finished runs keep the description they were made with."""
     changed = service.change(session, viewer, experiment_id, change.experiment, if_match)
-    return _tagged(answer, service.shown(session, changed))
+    return _tagged(answer, service.shown(session, viewer, changed))
 
 
 @router.delete(
@@ -78,7 +78,7 @@ def experiments_update(
     status_code=HTTPStatus.NO_CONTENT,
     responses=responses(NoSuchExperiment, RunActive, InvalidRequest),
 )
-def experiments_delete(session: SessionDependency, viewer: ViewerDependency, experiment_id: UUID) -> None:
+def experiments_delete(session: SessionDependency, viewer: EditorDependency, experiment_id: UUID) -> None:
     """Remove an experiment with its frames, runs and results."""
     service.delete(session, viewer, experiment_id)
 

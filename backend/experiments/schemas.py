@@ -8,8 +8,8 @@ from uuid import UUID
 from pydantic import AwareDatetime, BaseModel, ConfigDict, Field
 from pydantic.config import JsonDict
 
+from backend.groups.schemas import Group
 from backend.models.states import RunState, StackState
-from backend.people.schemas import Group
 from backend.platform.pages import ListQuery, Page
 from backend.platform.problems import Problem
 from backend.platform.texts import Words

@@ -1,24 +1,25 @@
 """What can be done with experiments."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, NoReturn
 from uuid import UUID
 
 from sqlalchemy.orm import Session
 
 from backend.experiments import repository, schemas
 from backend.experiments.errors import DescribesFiles, NoSuchExperiment, RunActive, StackIndexing
+from backend.groups.schemas import Group
+from backend.groups.service import group_for_new
 from backend.models import DoomedObject, Experiment, Run, Stack
 from backend.models.states import StackState
-from backend.people.schemas import Group
-from backend.people.service import group_for_new
+from backend.platform.audit import tell
 from backend.platform.dependencies import Platform
 from backend.platform.entity_tags import check_unchanged
 from backend.platform.events import announce, experiment_topic
 from backend.platform.object_store import experiment_prefix
 from backend.platform.problems import Problem
 from backend.platform.texts import unstorable
-from backend.platform.visibility import Viewer
+from backend.platform.visibility import MayNot, Viewer
 from backend.runs import repository as runs_repository
 from backend.runs.progress import shown_stages
 from backend.runs.repository import Done
@@ -45,18 +46,18 @@ _SAYS_HOW_TO_UNDERSTAND = {
 
 def get(session: Session, viewer: Viewer, experiment_id: UUID) -> Experiment:
     """One experiment."""
-    return _there(repository.find(session, viewer, experiment_id))
+    return repository.find(session, viewer, experiment_id) or _absent(session, viewer, experiment_id)
 
 
 def get_locked(session: Session, viewer: Viewer, experiment_id: UUID) -> Experiment:
     """One experiment that nobody else changes until this transaction ends."""
-    return _there(repository.lock(session, viewer, experiment_id))
+    return repository.lock(session, viewer, experiment_id) or _absent(session, viewer, experiment_id)
 
 
 def page(session: Session, viewer: Viewer, query: schemas.ExperimentQuery) -> schemas.Experiments:
     """One page of experiments."""
     found, next_cursor = repository.page(session, viewer, query)
-    return schemas.Experiments(items=shown_as(session, found), next_cursor=next_cursor)
+    return schemas.Experiments(items=shown_as(session, viewer, found), next_cursor=next_cursor)
 
 
 def create(session: Session, viewer: Viewer, document: dict[str, Any], group_id: UUID | None) -> Experiment:
@@ -67,6 +68,7 @@ def create(session: Session, viewer: Viewer, document: dict[str, Any], group_id:
     session.add(experiment)
     session.flush()
     session.refresh(experiment)
+    tell(session, experiment_id=experiment.id, name=parsed.name, group=group.name)
     return experiment
 
 
@@ -94,6 +96,7 @@ def delete(session: Session, viewer: Viewer, experiment_id: UUID) -> None:
     experiment = get_locked(session, viewer, experiment_id)
     _refuse_during_run(session, experiment, "deleted")
     session.add(DoomedObject(key=experiment_prefix(experiment.id)))
+    tell(session, name=experiment.document["name"])
     session.delete(experiment)
     announce(session, experiment_topic(experiment.id))
 
@@ -108,12 +111,12 @@ def read_document(content: dict[str, Any]) -> Document:
     return document
 
 
-def shown_as(session: Session, experiments: Sequence[Experiment]) -> list[schemas.Experiment]:
+def shown_as(session: Session, viewer: Viewer, experiments: Sequence[Experiment]) -> list[schemas.Experiment]:
     """Experiments as the API shows them; three queries for any number."""
     ids = [experiment.id for experiment in experiments]
     files = repository.files_of(session, ids)
-    n_runs = runs_repository.n_runs(session, ids)
-    latest = runs_repository.latest(session, ids)
+    n_runs = runs_repository.n_runs(session, viewer, ids)
+    latest = runs_repository.latest(session, viewer, ids)
     done = runs_repository.done_frames(session, [run.id for run in latest.values()])
     indexed = repository.indexed_frames(session, ids)
     return [
@@ -131,15 +134,15 @@ def shown_as(session: Session, experiments: Sequence[Experiment]) -> list[schema
     ]
 
 
-def shown(session: Session, experiment: Experiment) -> schemas.Experiment:
+def shown(session: Session, viewer: Viewer, experiment: Experiment) -> schemas.Experiment:
     """One experiment as the API shows it."""
-    return shown_as(session, [experiment])[0]
+    return shown_as(session, viewer, [experiment])[0]
 
 
 def look(platform: Platform, viewer: Viewer, experiment_id: UUID) -> schemas.Experiment:
     """One experiment, looked up in a transaction of its own."""
     with platform.sessions.begin() as session:
-        return shown(session, get(session, viewer, experiment_id))
+        return shown(session, viewer, get(session, viewer, experiment_id))
 
 
 def _correct(stack: Stack, before: Document, after: Document) -> None:
@@ -180,10 +183,11 @@ def _shown_run(run: Run, done: Mapping[tuple[UUID, str], Done]) -> schemas.RunSu
     )
 
 
-def _there(experiment: Experiment | None) -> Experiment:
-    if experiment is None:
-        raise NoSuchExperiment
-    return experiment
+def _absent(session: Session, viewer: Viewer, experiment_id: UUID) -> NoReturn:
+    """Refuse what somebody sees and may not do with it; what they do not see is not there."""
+    if repository.find(session, viewer.only_looking(), experiment_id) is not None:
+        raise MayNot(viewer.needs)
+    raise NoSuchExperiment
 
 
 def _refuse_during_run(session: Session, experiment: Experiment, doing: str) -> None:

@@ -18,9 +18,11 @@ from backend.operations.doctor import Verdict, examine
 from backend.operations.errors import OperationError
 from backend.operations.migrated import alembic_config, is_migrated_within
 from backend.operations.restore import restore
-from backend.platform.database import make_engine
+from backend.people.administrator import administrator as make_administrator
+from backend.platform.database import make_engine, make_sessions
 from backend.platform.object_store import ObjectStore
 from backend.platform.settings import Settings, environment_settings
+from dropflow.errors import DropflowError
 
 app = typer.Typer(
     name="dropflow-server",
@@ -67,6 +69,22 @@ def await_database(
 
 
 @app.command()
+def administrator(
+    email: Annotated[str, typer.Argument(help="Their e-mail address, with which they sign in.")],
+    name: Annotated[str | None, typer.Option(help="What they are called; else the part before the @.")] = None,
+) -> None:
+    """Make somebody an administrator, with an account if they have none, and print a link that lets them in once."""
+    settings = _settings()
+    engine = make_engine(settings.database_url, application="dropflow-administrator")
+    try:
+        with make_sessions(engine).begin() as session:
+            link = make_administrator(session, settings, email=email, name=name)
+    finally:
+        engine.dispose()
+    typer.echo(link)
+
+
+@app.command()
 def backup(
     folder: BackupFolder,
     configuration: Annotated[list[Path] | None, typer.Option(help="A file or folder of settings to keep too.")] = None,
@@ -109,7 +127,7 @@ def main() -> None:
     """Run a command; what is wrong is one line and exit code 2."""
     try:
         app()
-    except OperationError as error:
+    except (OperationError, DropflowError) as error:
         sys.exit(_failed(str(error)))
     except (SQLAlchemyError, OSError) as error:
         sys.exit(_failed((str(error).splitlines() or [type(error).__name__])[0]))

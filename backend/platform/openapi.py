@@ -40,6 +40,8 @@ def operations(made: Json) -> Iterator[tuple[str, str, Json]]:
 def _add_common_answers(method: str, operation: Json) -> None:
     answers: Json = operation["responses"]
     wanted = [HTTPStatus.NOT_ACCEPTABLE]
+    if "security" in operation:
+        wanted += [HTTPStatus.UNAUTHORIZED, HTTPStatus.FORBIDDEN, HTTPStatus.TOO_MANY_REQUESTS]
     if JSON in operation.get("requestBody", {}).get("content", {}):
         wanted += [HTTPStatus.BAD_REQUEST, HTTPStatus.REQUEST_ENTITY_TOO_LARGE, HTTPStatus.UNSUPPORTED_MEDIA_TYPE]
     for status in wanted:

@@ -1,12 +1,14 @@
 """What differs between one machine, a lab server and a cluster; read from the environment, refused where nonsense."""
 
+import hashlib
 import tempfile
 from functools import cache
 from ipaddress import ip_address
 from pathlib import Path
 from typing import Annotated, Literal
+from urllib.parse import urlsplit
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, SecretStr, field_validator, model_validator
 from pydantic_settings import BaseSettings, SettingsConfigDict
 from sqlalchemy import make_url
 from sqlalchemy.exc import ArgumentError
@@ -14,6 +16,7 @@ from sqlalchemy.exc import ArgumentError
 CHECKOUT = Path(__file__).resolve().parents[2]
 GIGABYTE = 1_000_000_000
 _LAST_PORT = 65535
+LEAST_SECRET = 32
 
 
 class Settings(BaseSettings):
@@ -32,8 +35,22 @@ class Settings(BaseSettings):
     work_dir: Path = Path(tempfile.gettempdir()) / "dropflow-work"
     """Where workers keep what they are making until it is in the object store."""
 
-    auth: Literal["local"] = "local"
-    """`local`: whoever reaches the service is its one person, so it listens on loopback only."""
+    auth: Literal["local", "accounts"] = "local"
+    """`local`: one person on one machine, which alone can reach it. `accounts`: people sign in."""
+    local_token: SecretStr | None = None
+    """With AUTH=local: the token of programs. Without one, every program of this machine is let in."""
+    sign_in_token: SecretStr | None = None
+    """With AUTH=local: whoever shows it first signs a browser in, as the link does that `make run` prints."""
+    secret: SecretStr | None = None
+    """What the service signs with: at least 32 characters that nobody can guess. AUTH=accounts needs it."""
+    public_url: str | None = None
+    """Where people reach the service, such as `https://droplets.example.org/`. AUTH=accounts needs it."""
+    sign_ins_per_minute: Annotated[int, Field(ge=1)] = 20
+    """Tries to sign in, from one address and with one e-mail address, before more are refused."""
+    group_max_bytes: Annotated[int, Field(ge=0)] | None = None
+    """Room for the frames and results of a group, unless an administrator gives it another; without it, no limit."""
+    group_max_active_runs: Annotated[int, Field(ge=1)] | None = None
+    """Runs of a group that are queued or running at once; likewise."""
     host: str = "127.0.0.1"
     """Address to listen on."""
     port: Annotated[int, Field(ge=0, le=_LAST_PORT)] = 8000
@@ -97,11 +114,63 @@ class Settings(BaseSettings):
             raise ValueError("MAX_FILE_BYTES must not be larger than MAX_STACK_BYTES")
         return self
 
+    @field_validator("public_url")
+    @classmethod
+    def _address(cls, url: str | None) -> str | None:
+        if url is None:
+            return None
+        parts = urlsplit(url)
+        if parts.scheme not in ("http", "https") or not parts.hostname or parts.query or parts.fragment:
+            raise ValueError("must be an address such as https://droplets.example.org/")
+        return url.rstrip("/") + "/"
+
     @model_validator(mode="after")
     def _open_to_this_machine_only(self) -> "Settings":
         if self.auth == "local" and not is_loopback(self.host):
-            raise ValueError("without accounts (AUTH=local) HOST must be a loopback address such as 127.0.0.1")
+            raise ValueError(
+                "without accounts (AUTH=local) HOST must be a loopback address such as 127.0.0.1; "
+                "for others to reach it set AUTH=accounts, SECRET and PUBLIC_URL"
+            )
         return self
+
+    @model_validator(mode="after")
+    def _accounts_are_safe(self) -> "Settings":
+        if self.auth == "local":
+            return self
+        if self.secret is None or len(self.secret.get_secret_value()) < LEAST_SECRET:
+            raise ValueError(
+                f"AUTH=accounts needs a SECRET of at least {LEAST_SECRET} characters (openssl rand -hex 32)"
+            )
+        if self.public_url is None:
+            raise ValueError("AUTH=accounts needs PUBLIC_URL, the address at which people reach the service")
+        return self
+
+    @property
+    def is_open(self) -> bool:
+        """Whether whoever reaches the service is its one person."""
+        return self.auth == "local" and self.local_token is None
+
+    @property
+    def is_https(self) -> bool:
+        """Whether people reach the service through TLS."""
+        return self.address.startswith("https://")
+
+    @property
+    def address(self) -> str:
+        """Where people reach the service; ends in a slash."""
+        return self.public_url or f"http://{self.host}:{self.port}/"
+
+    @property
+    def origins(self) -> tuple[str, ...]:
+        """What a browser says of our own pages."""
+        parts = urlsplit(self.address)
+        return (f"{parts.scheme}://{parts.netloc}",)
+
+    @property
+    def signing_key(self) -> bytes:
+        """What we sign with. On one machine without a SECRET, the database's password is as good."""
+        secret = self.secret.get_secret_value() if self.secret else self.database_url
+        return hashlib.sha256(b"dropflow:" + secret.encode()).digest()
 
 
 def with_driver(url: str) -> str:

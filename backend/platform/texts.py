@@ -1,5 +1,6 @@
 """Text from outside: what Postgres and UTF-8 cannot hold is refused with the name of the field."""
 
+import unicodedata
 from collections.abc import Iterator
 from typing import Annotated, Any
 
@@ -34,3 +35,14 @@ def _storable(text: str) -> str:
 
 Words = Annotated[str, AfterValidator(_storable)]
 """Text that may be looked for."""
+
+
+def _one_line(text: str) -> str:
+    if not is_storable(text) or any(unicodedata.category(character) in _NO_LINE for character in text):
+        raise ValueError("must be one line of text without control characters")
+    return text
+
+
+_NO_LINE = ("Cc", "Cf", "Zl", "Zp")  # a name with a line break goes into a header; one that turns the text around lies
+Line = Annotated[str, AfterValidator(_one_line)]
+"""A name or title from outside."""

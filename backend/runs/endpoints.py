@@ -10,7 +10,7 @@ from fastapi.sse import EventSourceResponse
 
 from backend.experiments.errors import NoSuchExperiment
 from backend.models.states import RUN_RULES, is_terminal
-from backend.platform.dependencies import PlatformDependency, SessionDependency, ViewerDependency
+from backend.platform.dependencies import EditorDependency, PlatformDependency, SessionDependency, ViewerDependency
 from backend.platform.events import run_topic
 from backend.platform.idempotency import KeyOfAnother, OnceDependency
 from backend.platform.live import Changes, follow
@@ -45,7 +45,7 @@ def runs_list_all(session: SessionDependency, viewer: ViewerDependency, query: A
 def runs_create(
     session: SessionDependency,
     platform: PlatformDependency,
-    viewer: ViewerDependency,
+    viewer: EditorDependency,
     once: OnceDependency,
     experiment_id: UUID,
     new: NewRun,
@@ -69,7 +69,7 @@ def runs_get(session: SessionDependency, viewer: ViewerDependency, run_id: UUID)
     status_code=HTTPStatus.ACCEPTED,
     responses=responses(NoSuchRun, RunFinished, InvalidRequest),
 )
-def runs_cancel(session: SessionDependency, viewer: ViewerDependency, run_id: UUID) -> Run:
+def runs_cancel(session: SessionDependency, viewer: EditorDependency, run_id: UUID) -> Run:
     """Stop a run. It is `cancelled` as soon as nobody works on it any more."""
     return service.shown(session, service.cancel(session, viewer, run_id))
 
@@ -82,7 +82,7 @@ def runs_cancel(session: SessionDependency, viewer: ViewerDependency, run_id: UU
 def runs_retry(
     session: SessionDependency,
     platform: PlatformDependency,
-    viewer: ViewerDependency,
+    viewer: EditorDependency,
     once: OnceDependency,
     run_id: UUID,
 ) -> Run:
@@ -96,7 +96,7 @@ def runs_retry(
 @router.delete(
     "/runs/{run_id}", status_code=HTTPStatus.NO_CONTENT, responses=responses(NoSuchRun, RunActive, InvalidRequest)
 )
-def runs_delete(session: SessionDependency, viewer: ViewerDependency, run_id: UUID) -> None:
+def runs_delete(session: SessionDependency, viewer: EditorDependency, run_id: UUID) -> None:
     """Remove a run that ended, with its results."""
     service.delete(session, viewer, run_id)
 

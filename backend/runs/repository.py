@@ -51,10 +51,10 @@ def _wanted(query: RunQuery, experiment_id: UUID | None) -> Iterator[ColumnEleme
         yield Run.created_at < query.created_before
 
 
-def latest(session: Session, experiment_ids: Sequence[UUID]) -> Mapping[UUID, Run]:
+def latest(session: Session, viewer: Viewer, experiment_ids: Sequence[UUID]) -> Mapping[UUID, Run]:
     """The latest run of each experiment that has any."""
     query = (
-        select(Run)
+        visible_runs(viewer.only_looking())
         .where(Run.experiment_id.in_(experiment_ids))
         .ext(distinct_on(Run.experiment_id))
         .order_by(Run.experiment_id, Run.number.desc())
@@ -62,10 +62,13 @@ def latest(session: Session, experiment_ids: Sequence[UUID]) -> Mapping[UUID, Ru
     return {run.experiment_id: run for run in session.scalars(query)}
 
 
-def n_runs(session: Session, experiment_ids: Sequence[UUID]) -> Mapping[UUID, int]:
+def n_runs(session: Session, viewer: Viewer, experiment_ids: Sequence[UUID]) -> Mapping[UUID, int]:
     """How many runs each experiment has that has any."""
     query = (
-        select(Run.experiment_id, func.count()).where(Run.experiment_id.in_(experiment_ids)).group_by(Run.experiment_id)
+        visible_runs(viewer.only_looking())
+        .where(Run.experiment_id.in_(experiment_ids))
+        .with_only_columns(Run.experiment_id, func.count())
+        .group_by(Run.experiment_id)
     )
     return dict(session.execute(query).all())
 

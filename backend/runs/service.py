@@ -1,22 +1,24 @@
 """What can be done with runs."""
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NoReturn
 from uuid import UUID
 
 from sqlalchemy.orm import Session
 
 from backend.experiments.service import get as get_experiment
 from backend.experiments.service import get_locked
+from backend.groups.quotas import demand_run
 from backend.models import DoomedObject, Run, Shard, Stage
 from backend.models.lifecycle import request_cancel
 from backend.models.states import ACTIVE_RUN_STATES, RUN_RULES, RunState, StackState, is_terminal
+from backend.platform.audit import tell
 from backend.platform.database import after_commit
 from backend.platform.dependencies import Platform
 from backend.platform.events import announce, experiment_topic, run_topic
 from backend.platform.problems import Problem
 from backend.platform.texts import unstorable
-from backend.platform.visibility import Viewer
+from backend.platform.visibility import MayNot, Viewer
 from backend.runs import repository, schemas
 from backend.runs.errors import NoSuchRun, RunActive, RunFinished, RunNotFailed
 from backend.runs.progress import shown_stages
@@ -30,7 +32,7 @@ from dropflow.provenance import code_version
 
 def get(session: Session, viewer: Viewer, run_id: UUID) -> Run:
     """One run."""
-    return _there(repository.find(session, viewer, run_id))
+    return repository.find(session, viewer, run_id) or _absent(session, viewer, run_id)
 
 
 def page(session: Session, viewer: Viewer, query: schemas.RunQuery, experiment_id: UUID | None = None) -> schemas.Runs:
@@ -49,6 +51,7 @@ def create(session: Session, platform: Platform, viewer: Viewer, experiment_id: 
     if stack.state != StackState.READY or stack.n_frames is None or stack.rows is None or stack.columns is None:
         raise StackNotReady
     n_frames = stack.n_frames
+    demand_run(session, platform.settings, experiment.group)
     radius_range_px(parse_experiment(experiment.document), parameters, (stack.rows, stack.columns))
     run = Run(
         experiment_id=experiment.id,
@@ -70,13 +73,14 @@ def create(session: Session, platform: Platform, viewer: Viewer, experiment_id: 
     session.flush()
     session.refresh(run)
     announce(session, experiment_topic(experiment.id))
+    tell(session, run_id=run.id, number=run.number)
     after_commit(session, lambda: platform.queue.wake(shard.task))
     return run
 
 
 def cancel(session: Session, viewer: Viewer, run_id: UUID) -> Run:
     """Ask a run to stop: what waits is taken back now, what is worked on within a frame or two."""
-    run = _there(repository.lock(session, viewer, run_id))
+    run = repository.lock(session, viewer, run_id) or _absent(session, viewer, run_id)
     if is_terminal(RUN_RULES, run.state):
         raise RunFinished
     request_cancel(session, run)
@@ -98,7 +102,7 @@ def delete(session: Session, viewer: Viewer, run_id: UUID) -> None:
     """Remove a run, and what it made unless another run shares it."""
     experiment_id = get(session, viewer, run_id).experiment_id
     get_locked(session, viewer, experiment_id)  # so that no new run shares a product in this moment
-    run = _there(repository.lock(session, viewer, run_id))
+    run = repository.lock(session, viewer, run_id) or _absent(session, viewer, run_id)
     if run.state in ACTIVE_RUN_STATES:
         raise RunActive
     products = repository.products_of_only(session, run.id)
@@ -153,10 +157,11 @@ def _read_parameters(document: dict[str, Any]) -> Parameters:
     return parse_parameters(document)
 
 
-def _there(run: Run | None) -> Run:
-    if run is None:
-        raise NoSuchRun
-    return run
+def _absent(session: Session, viewer: Viewer, run_id: UUID) -> NoReturn:
+    """Refuse what somebody sees and may not do with it; what they do not see is not there."""
+    if repository.find(session, viewer.only_looking(), run_id) is not None:
+        raise MayNot(viewer.needs)
+    raise NoSuchRun
 
 
 def _announce(session: Session, run: Run) -> None:

@@ -9,7 +9,7 @@ from fastapi import APIRouter, Header, Path, Query, Request, Response
 from backend.experiments.errors import NoSuchExperiment
 from backend.experiments.schemas import Experiment
 from backend.experiments.service import shown
-from backend.platform.dependencies import PlatformDependency, SessionDependency, ViewerDependency
+from backend.platform.dependencies import EditorDependency, PlatformDependency, SessionDependency, ViewerDependency
 from backend.platform.problems import InvalidRequest, responses
 from backend.platform.store_errors import StoreAway, StoreFull
 from backend.stacks import service, upload
@@ -46,7 +46,7 @@ def files_list(
 )
 async def files_upload(
     platform: PlatformDependency,
-    viewer: ViewerDependency,
+    viewer: EditorDependency,
     experiment_id: UUID,
     request: Request,
     name: Annotated[str, Query(description="Relative name, percent-encoded, such as `run 1/frame0001.tif`.")],
@@ -64,7 +64,7 @@ async def files_upload(
 def stack_complete(
     session: SessionDependency,
     platform: PlatformDependency,
-    viewer: ViewerDependency,
+    viewer: EditorDependency,
     experiment_id: UUID,
     missing: Annotated[
         Literal["refuse", "leave_out"], Query(description="What to do if announced files have not arrived.")
@@ -72,13 +72,13 @@ def stack_complete(
 ) -> Experiment:
     """Say that all files are there. Every frame is read; the stack becomes `ready` or `rejected` with the problem."""
     leave_out = missing == "leave_out"
-    return shown(session, service.seal(session, platform, viewer, experiment_id, leave_out_missing=leave_out))
+    return shown(session, viewer, service.seal(session, platform, viewer, experiment_id, leave_out_missing=leave_out))
 
 
 @router.delete("/stack", responses=responses(NoSuchExperiment, RunsExist, InvalidRequest))
-def stack_delete(session: SessionDependency, viewer: ViewerDependency, experiment_id: UUID) -> Experiment:
+def stack_delete(session: SessionDependency, viewer: EditorDependency, experiment_id: UUID) -> Experiment:
     """Remove all uploaded files, to upload others."""
-    return shown(session, service.clear(session, viewer, experiment_id))
+    return shown(session, viewer, service.clear(session, viewer, experiment_id))
 
 
 @router.get(

@@ -10,7 +10,13 @@ from fastapi import APIRouter, Depends, Request, Response
 from fastapi.concurrency import run_in_threadpool
 
 from backend.experiments.errors import NoSuchExperiment
-from backend.platform.dependencies import Platform, PlatformDependency, SessionDependency, ViewerDependency
+from backend.platform.dependencies import (
+    EditorDependency,
+    Platform,
+    PlatformDependency,
+    SessionDependency,
+    ViewerDependency,
+)
 from backend.platform.problems import InvalidRequest, responses
 from backend.platform.store_errors import StoreAway, StoreFull
 from backend.platform.visibility import Viewer
@@ -63,7 +69,7 @@ _TUS = [Depends(_speaks_tus)]
 def uploads_plan(
     session: SessionDependency,
     platform: PlatformDependency,
-    viewer: ViewerDependency,
+    viewer: EditorDependency,
     experiment_id: UUID,
     new: NewPlan,
 ) -> Plan:
@@ -103,7 +109,7 @@ def uploads_options(platform: PlatformDependency) -> Response:
 async def uploads_create(
     request: Request,
     platform: PlatformDependency,
-    viewer: ViewerDependency,
+    viewer: EditorDependency,
     intakes: IntakesDependency,
     experiment_id: UUID,
 ) -> Response:
@@ -133,7 +139,7 @@ def uploads_get(session: SessionDependency, viewer: ViewerDependency, experiment
     "/{upload_id}", response_class=Response, dependencies=_TUS, responses=responses(NoSuchUpload, InvalidRequest)
 )
 def uploads_offset(
-    platform: PlatformDependency, viewer: ViewerDependency, experiment_id: UUID, upload_id: UUID
+    platform: PlatformDependency, viewer: EditorDependency, experiment_id: UUID, upload_id: UUID
 ) -> Response:
     """Ask how much of an upload is here: `Upload-Offset` of `Upload-Length` bytes."""
     progress = finish_if_complete(platform, viewer, experiment_id, upload_id)
@@ -151,7 +157,7 @@ def uploads_offset(
 async def uploads_send(
     request: Request,
     platform: PlatformDependency,
-    viewer: ViewerDependency,
+    viewer: EditorDependency,
     intakes: IntakesDependency,
     experiment_id: UUID,
     upload_id: UUID,
@@ -170,7 +176,7 @@ async def uploads_send(
     responses=responses(NoSuchUpload, InvalidRequest),
 )
 def uploads_terminate(
-    session: SessionDependency, viewer: ViewerDependency, experiment_id: UUID, upload_id: UUID
+    session: SessionDependency, viewer: EditorDependency, experiment_id: UUID, upload_id: UUID
 ) -> Response:
     """Give up an upload: what of it arrived is removed. Files that are complete stay."""
     service.terminate(session, viewer, experiment_id, upload_id)

@@ -16,7 +16,7 @@ def main() -> int:
         options = read_options(os.environ)
         with stop_on_signals(), open_folder(options) as folder, Instance(options, folder, say) as instance:
             instance.start()
-            print(f"Dropflow is ready: {options.address}", flush=True)  # noqa: T201 - this is the product
+            print(f"Dropflow is ready: {instance.link}", flush=True)  # noqa: T201 - this is the product
             instance.watch()
     except StopRequested:
         return 0
@@ -27,7 +27,7 @@ def main() -> int:
 
 
 def say(message: str) -> None:
-    """Tell the person who started us; standard output has the address alone."""
+    """Tell the person who started us; standard output has the link alone."""
     print(f"Dropflow: {message}", file=sys.stderr, flush=True)  # noqa: T201 - said to a person, not logged
 
 

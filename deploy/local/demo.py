@@ -3,6 +3,7 @@
 It is found again by its tag, so that it is made once; what an interrupted start left half done is completed.
 """
 
+import os
 import sys
 import tempfile
 import time
@@ -99,7 +100,9 @@ def _asked(response: httpx.Response) -> dict[str, Any]:
 def main() -> int:
     """Send it; one line and exit code 1 where that fails."""
     try:
-        with httpx.Client(base_url=f"{sys.argv[1]}api/v1/", timeout=60, trust_env=False) as client:
+        token = os.environ.get("LOCAL_TOKEN")
+        headers = {"Authorization": f"Bearer {token}"} if token else {}
+        with httpx.Client(base_url=f"{sys.argv[1]}api/v1/", headers=headers, timeout=60, trust_env=False) as client:
             send_demo(client)
     except (DemoError, DropflowError, httpx.HTTPError) as problem:
         print(problem, file=sys.stderr)  # noqa: T201 - the launcher shows it

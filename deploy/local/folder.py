@@ -20,6 +20,7 @@ class InstanceFolder:
         self.root = root
         self.objects, self.work = root / "objects", root / "work"
         self.logs, self.running = root / "logs", root / "running"
+        self.token = root / "token"  # what programs of this machine show
         self.demo_made = root / "demo-made"  # so that a demo that was deleted stays away
 
     def make(self) -> None:
@@ -37,12 +38,24 @@ class InstanceFolder:
         path = self.root / "keys.json"
         keys: dict[str, str] = json.loads(path.read_text()) if path.exists() else {}
         if server not in keys:
-            draft = path.with_suffix(".new")
-            draft.touch(mode=0o600)
-            draft.write_text(json.dumps({**keys, server: new_password()}, indent=1))
-            draft.replace(path)
+            _write_secret(path, json.dumps({**keys, server: new_password()}, indent=1))
             return self.password(server)
         return keys[server]
+
+    def program_token(self) -> str:
+        """The token of programs of this machine, made at the first start and readable by us alone."""
+        if not self.token.exists():
+            _write_secret(self.token, f"df_{new_password()}\n")
+        return self.token.read_text().strip()
+
+
+def _write_secret(path: Path, content: str) -> None:
+    """All of it or nothing, and never readable by others."""
+    draft = path.with_name(path.name + ".new")
+    draft.unlink(missing_ok=True)
+    draft.touch(mode=0o600)
+    draft.write_text(content)
+    draft.replace(path)
 
 
 @contextmanager

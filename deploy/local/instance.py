@@ -10,8 +10,8 @@ from typing import Self
 from deploy.local.answers import status_of
 from deploy.local.errors import LauncherError
 from deploy.local.folder import InstanceFolder
-from deploy.local.options import Options
-from deploy.local.postgres import Postgres, given_database
+from deploy.local.options import Options, sign_in_link
+from deploy.local.postgres import Postgres, given_database, new_password
 from deploy.local.processes import Child, is_port_free
 from deploy.local.services import CHECKOUT, api, demo, environment_of, workers
 from deploy.local.signals import StopRequested
@@ -31,6 +31,7 @@ class Instance:
         self._options, self._folder, self._say = options, folder, say
         self._supervisor = Supervisor(say)
         self._demo: Child | None = None
+        self._sign_in_token = new_password()
 
     def __enter__(self) -> Self:
         return self
@@ -58,6 +59,11 @@ class Instance:
         database_url = given_database(given.database_url) if given.database_url else self._start_postgres()
         redis_url = given_queue(given.redis_url) if given.redis_url else self._start_valkey()
         environment = environment_of(self._options, self._folder, database_url=database_url, redis_url=redis_url)
+        environment |= {
+            "LOCAL_TOKEN": self._folder.program_token(),
+            "SIGN_IN_TOKEN": self._sign_in_token,
+            "SECRET": self._folder.password("signing"),
+        }
         self._migrate(environment)
         # The page first: it is what people wait for, and the cores are few.
         self._await_page(self._supervisor.start(api(self._folder, environment), tier=PROGRAMS))
@@ -65,6 +71,11 @@ class Instance:
             self._supervisor.start(worker, tier=PROGRAMS)
         if self._options.has_demo and not self._folder.demo_made.exists():
             self._demo = demo(self._options, self._folder, environment).start()
+
+    @property
+    def link(self) -> str:
+        """Whoever opens it first is let in: other people of this machine reach its loopback, too."""
+        return sign_in_link(self._options, self._sign_in_token)
 
     def watch(self) -> None:
         """Start again what dies, until a signal asks to stop."""

@@ -24,6 +24,11 @@ class Options:
         return f"http://{HOST}:{self.port}/"
 
 
+def sign_in_link(options: Options, secret: str) -> str:
+    """Behind the # stands what browsers never send to a server, so that no log holds it."""
+    return f"{options.address}sign-in#{secret}"
+
+
 def read_options(environment: Mapping[str, str]) -> Options:
     """PORT, DATA, DATABASE_URL, REDIS_URL, DEMO (0: none); an empty one counts as absent."""
     given = {name: value for name, value in environment.items() if value}

@@ -47,8 +47,22 @@ const planning = createRoute({
   component: lazyRouteComponent(() => import("./planning/PlanningPage"), "PlanningPage"),
 });
 
+const signIn = createRoute({
+  getParentRoute: () => root,
+  path: "/sign-in",
+  component: lazyRouteComponent(() => import("./people/SignInPage"), "SignInPage"),
+});
+
+const invitation = createRoute({
+  getParentRoute: () => root,
+  path: "/invitation",
+  component: lazyRouteComponent(() => import("./people/InvitationPage"), "InvitationPage"),
+});
+
+const people = [signIn, invitation];
+
 export const router = createRouter({
-  routeTree: root.addChildren([experiments, newExperiment, experiment, newRun, run, planning]),
+  routeTree: root.addChildren([experiments, newExperiment, experiment, newRun, run, planning, ...people]),
   basepath: mountPath,
   defaultPreload: "intent",
   scrollRestoration: true,

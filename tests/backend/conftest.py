@@ -9,6 +9,7 @@ from backend.platform.settings import Settings
 from deploy.local.postgres import Postgres
 from deploy.local.valkey import Valkey
 from tests.house import House, house_settings, open_house
+from tests.lab import Lab, lab_settings, open_lab
 from tests.services import database
 
 
@@ -41,3 +42,17 @@ def shared_house(kept_house: House) -> House:
     """Emptied once a module: its tests look at what one of them made."""
     kept_house.empty()
     return kept_house
+
+
+@pytest.fixture(scope="package")
+def lab(
+    postgres_server: Postgres,
+    migrated_template: str,
+    valkey_server: Valkey,
+    tmp_path_factory: pytest.TempPathFactory,
+) -> Iterator[Lab]:
+    """A service with accounts. It is not emptied: each test makes people and groups of its own."""
+    with database(postgres_server, template=migrated_template) as url:
+        settings = house_settings(url, valkey_server.url(3), tmp_path_factory.mktemp("lab"))
+        with open_lab(lab_settings(settings)) as opened:
+            yield opened

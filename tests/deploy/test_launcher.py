@@ -1,6 +1,7 @@
 """`python -m deploy.local` as a person meets it: one line when ready, one line when it cannot, nothing left behind."""
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -50,6 +51,10 @@ class Launcher:
         assert line, self.process.communicate()[1]
         return line
 
+    def token(self) -> dict[str, str]:
+        """What a program of this machine sends."""
+        return {"Authorization": f"Bearer {(self.data / 'token').read_text().strip()}"}
+
     def pids(self) -> dict[str, int]:
         files = (self.data / "running").glob("*.pid")
         return {file.stem: int(file.read_text().split()[0]) for file in files}
@@ -94,8 +99,9 @@ def is_gone(pids: dict[str, int], within_s: float) -> bool:
 def test_data_is_kept_over_a_stop_and_the_second_start_is_quick(launch: Callable[..., Launcher]) -> None:
     port = free_port()
     first = launch(port=port)
-    assert first.ready_line() == f"Dropflow is ready: http://127.0.0.1:{port}/\n"
-    made = httpx.post(first.api + "experiments", json={"experiment": DOCUMENT}).raise_for_status().json()
+    assert re.fullmatch(rf"Dropflow is ready: http://127\.0\.0\.1:{port}/sign-in#\S+\n", first.ready_line())
+    sent = {"json": {"experiment": DOCUMENT}, "headers": first.token()}
+    made = httpx.post(first.api + "experiments", **sent).raise_for_status().json()
     page = httpx.get(f"http://127.0.0.1:{port}/")
     assert page.headers["content-type"].startswith("text/html")
     pids = first.pids()
@@ -106,7 +112,7 @@ def test_data_is_kept_over_a_stop_and_the_second_start_is_quick(launch: Callable
     second = launch(port=port)
     second.ready_line()
     assert 0 < second.cpu_s() < 15  # on an idle machine the wait is less than this; on a busy one it says nothing
-    kept = httpx.get(f"{second.api}experiments/{made['id']}").raise_for_status().json()
+    kept = httpx.get(f"{second.api}experiments/{made['id']}", headers=second.token()).raise_for_status().json()
     assert kept["experiment"]["name"] == DOCUMENT["name"]
     assert second.end(signal.SIGTERM) == (0, "", "")
 
@@ -144,3 +150,23 @@ def test_a_killed_worker_is_started_again_and_a_killed_launcher_leaves_nothing(l
     assert is_gone(after, within_s=20)
     again = launch()
     assert again.ready_line().startswith("Dropflow is ready")
+
+
+def test_the_link_lets_one_browser_in_once_and_nobody_else(launch: Callable[..., Launcher]) -> None:
+    launcher = launch()
+    link = launcher.ready_line().split()[-1]
+    origin, _, secret = link.partition("/sign-in#")
+    headers = {"Origin": origin}
+    assert (launcher.data / "token").stat().st_mode & 0o777 == 0o600
+    with httpx.Client(base_url=launcher.api, headers=headers) as browser:
+        assert browser.get("experiments").status_code == 401
+        assert browser.post("session", json={"link": "guessed"}).status_code == 401
+        assert browser.post("session", json={"link": secret}).status_code == 201
+        assert browser.get("experiments").status_code == 200
+    with httpx.Client(base_url=launcher.api, headers=headers) as other:
+        spent = other.post("session", json={"link": secret})
+        assert (spent.status_code, spent.json()["code"]) == (401, "session.link_spent")
+        variables = {**os.environ, "PORT": launcher.api.rpartition(":")[2].split("/")[0], "DATA": str(launcher.data)}
+        asked = [sys.executable, "-m", "deploy.local.sign_in"]
+        said = subprocess.run(asked, cwd=ROOT, env=variables, capture_output=True, text=True, check=True)
+        assert other.post("session", json={"link": said.stdout.strip().partition("#")[2]}).status_code == 201

@@ -2,7 +2,7 @@
 
 import type { Client, Options as Options2, TDataShape } from './client';
 import { client } from './client.gen';
-import type { DropletsGetData, DropletsGetErrors, DropletsGetResponses, ExperimentsCreateData, ExperimentsCreateErrors, ExperimentsCreateResponses, ExperimentsDeleteData, ExperimentsDeleteErrors, ExperimentsDeleteResponses, ExperimentsEventsData, ExperimentsEventsErrors, ExperimentsEventsResponses, ExperimentsGetData, ExperimentsGetErrors, ExperimentsGetResponses, ExperimentsListData, ExperimentsListErrors, ExperimentsListResponses, ExperimentsUpdateData, ExperimentsUpdateErrors, ExperimentsUpdateResponses, FiguresGetData, FiguresGetErrors, FiguresGetResponses, FiguresListData, FiguresListErrors, FiguresListResponses, FiguresTableData, FiguresTableErrors, FiguresTableResponses, FilesListData, FilesListErrors, FilesListResponses, FilesUploadData, FilesUploadErrors, FilesUploadResponses, FlowGetData, FlowGetErrors, FlowGetResponses, FlowMapsGetData, FlowMapsGetErrors, FlowMapsGetResponses, FramesPictureData, FramesPictureErrors, FramesPictureResponses, HealthGetData, HealthGetErrors, HealthGetResponses, MaterialsGetData, MaterialsGetErrors, MaterialsGetPhaseDiagramData, MaterialsGetPhaseDiagramErrors, MaterialsGetPhaseDiagramResponses, MaterialsGetResponses, MaterialsGetViscosityData, MaterialsGetViscosityErrors, MaterialsGetViscosityResponses, MaterialsListData, MaterialsListErrors, MaterialsListResponses, QualityGetData, QualityGetErrors, QualityGetResponses, RampsDownloadData, RampsDownloadErrors, RampsDownloadResponses, RampsGetData, RampsGetErrors, RampsGetResponses, ResultFilesDownloadData, ResultFilesDownloadErrors, ResultFilesDownloadResponses, ResultFilesListData, ResultFilesListErrors, ResultFilesListResponses, RunsCancelData, RunsCancelErrors, RunsCancelResponses, RunsCreateData, RunsCreateErrors, RunsCreateResponses, RunsDeleteData, RunsDeleteErrors, RunsDeleteResponses, RunsEventsData, RunsEventsErrors, RunsEventsResponses, RunsGetData, RunsGetErrors, RunsGetResponses, RunsListAllData, RunsListAllErrors, RunsListAllResponses, RunsListData, RunsListErrors, RunsListResponses, RunsRetryData, RunsRetryErrors, RunsRetryResponses, SchemasGetExperimentData, SchemasGetExperimentErrors, SchemasGetExperimentResponses, SchemasGetParametersData, SchemasGetParametersErrors, SchemasGetParametersResponses, StackCompleteData, StackCompleteErrors, StackCompleteResponses, StackDeleteData, StackDeleteErrors, StackDeleteResponses, TailsGetData, TailsGetErrors, TailsGetResponses, TrajectoriesGetData, TrajectoriesGetErrors, TrajectoriesGetResponses, UploadsCreateData, UploadsCreateErrors, UploadsCreateResponses, UploadsGetData, UploadsGetErrors, UploadsGetResponses, UploadsListData, UploadsListErrors, UploadsListResponses, UploadsOffsetData, UploadsOffsetErrors, UploadsOffsetResponses, UploadsPlanData, UploadsPlanErrors, UploadsPlanResponses, UploadsSendData, UploadsSendErrors, UploadsSendResponses, UploadsTerminateData, UploadsTerminateErrors, UploadsTerminateResponses } from './types.gen';
+import type { AccountEndSessionData, AccountEndSessionErrors, AccountEndSessionResponses, AccountGetData, AccountGetErrors, AccountGetResponses, AccountPasswordData, AccountPasswordErrors, AccountPasswordResponses, AccountSessionsData, AccountSessionsErrors, AccountSessionsResponses, AccountUpdateData, AccountUpdateErrors, AccountUpdateResponses, DropletsGetData, DropletsGetErrors, DropletsGetResponses, ExperimentsCreateData, ExperimentsCreateErrors, ExperimentsCreateResponses, ExperimentsDeleteData, ExperimentsDeleteErrors, ExperimentsDeleteResponses, ExperimentsEventsData, ExperimentsEventsErrors, ExperimentsEventsResponses, ExperimentsGetData, ExperimentsGetErrors, ExperimentsGetResponses, ExperimentsListData, ExperimentsListErrors, ExperimentsListResponses, ExperimentsUpdateData, ExperimentsUpdateErrors, ExperimentsUpdateResponses, FiguresGetData, FiguresGetErrors, FiguresGetResponses, FiguresListData, FiguresListErrors, FiguresListResponses, FiguresTableData, FiguresTableErrors, FiguresTableResponses, FilesListData, FilesListErrors, FilesListResponses, FilesUploadData, FilesUploadErrors, FilesUploadResponses, FlowGetData, FlowGetErrors, FlowGetResponses, FlowMapsGetData, FlowMapsGetErrors, FlowMapsGetResponses, FramesPictureData, FramesPictureErrors, FramesPictureResponses, GroupsCreateData, GroupsCreateErrors, GroupsCreateResponses, GroupsDeleteData, GroupsDeleteErrors, GroupsDeleteResponses, GroupsGetData, GroupsGetErrors, GroupsGetResponses, GroupsLimitData, GroupsLimitErrors, GroupsLimitResponses, GroupsListData, GroupsListErrors, GroupsListResponses, GroupsUpdateData, GroupsUpdateErrors, GroupsUpdateResponses, HealthGetData, HealthGetErrors, HealthGetResponses, InvitationsAcceptData, InvitationsAcceptErrors, InvitationsAcceptResponses, InvitationsCreateData, InvitationsCreateErrors, InvitationsCreateResponses, InvitationsDeleteData, InvitationsDeleteErrors, InvitationsDeleteResponses, InvitationsListData, InvitationsListErrors, InvitationsListResponses, InvitationsLookData, InvitationsLookErrors, InvitationsLookResponses, MaterialsGetData, MaterialsGetErrors, MaterialsGetPhaseDiagramData, MaterialsGetPhaseDiagramErrors, MaterialsGetPhaseDiagramResponses, MaterialsGetResponses, MaterialsGetViscosityData, MaterialsGetViscosityErrors, MaterialsGetViscosityResponses, MaterialsListData, MaterialsListErrors, MaterialsListResponses, MembersListData, MembersListErrors, MembersListResponses, MembersRemoveData, MembersRemoveErrors, MembersRemoveResponses, MembersSetData, MembersSetErrors, MembersSetResponses, PeopleCreateData, PeopleCreateErrors, PeopleCreateResponses, PeopleLinkData, PeopleLinkErrors, PeopleLinkResponses, PeopleListData, PeopleListErrors, PeopleListResponses, PeopleUpdateData, PeopleUpdateErrors, PeopleUpdateResponses, QualityGetData, QualityGetErrors, QualityGetResponses, RampsDownloadData, RampsDownloadErrors, RampsDownloadResponses, RampsGetData, RampsGetErrors, RampsGetResponses, ResultFilesDownloadData, ResultFilesDownloadErrors, ResultFilesDownloadResponses, ResultFilesListData, ResultFilesListErrors, ResultFilesListResponses, RunsCancelData, RunsCancelErrors, RunsCancelResponses, RunsCreateData, RunsCreateErrors, RunsCreateResponses, RunsDeleteData, RunsDeleteErrors, RunsDeleteResponses, RunsEventsData, RunsEventsErrors, RunsEventsResponses, RunsGetData, RunsGetErrors, RunsGetResponses, RunsListAllData, RunsListAllErrors, RunsListAllResponses, RunsListData, RunsListErrors, RunsListResponses, RunsRetryData, RunsRetryErrors, RunsRetryResponses, SchemasGetExperimentData, SchemasGetExperimentErrors, SchemasGetExperimentResponses, SchemasGetParametersData, SchemasGetParametersErrors, SchemasGetParametersResponses, SessionCreateData, SessionCreateErrors, SessionCreateResponses, SessionDeleteData, SessionDeleteErrors, SessionDeleteResponses, SessionGetData, SessionGetErrors, SessionGetResponses, StackCompleteData, StackCompleteErrors, StackCompleteResponses, StackDeleteData, StackDeleteErrors, StackDeleteResponses, TailsGetData, TailsGetErrors, TailsGetResponses, TokensCreateData, TokensCreateErrors, TokensCreateResponses, TokensListData, TokensListErrors, TokensListResponses, TokensRevokeData, TokensRevokeErrors, TokensRevokeResponses, TrajectoriesGetData, TrajectoriesGetErrors, TrajectoriesGetResponses, UploadsCreateData, UploadsCreateErrors, UploadsCreateResponses, UploadsGetData, UploadsGetErrors, UploadsGetResponses, UploadsListData, UploadsListErrors, UploadsListResponses, UploadsOffsetData, UploadsOffsetErrors, UploadsOffsetResponses, UploadsPlanData, UploadsPlanErrors, UploadsPlanResponses, UploadsSendData, UploadsSendErrors, UploadsSendResponses, UploadsTerminateData, UploadsTerminateErrors, UploadsTerminateResponses } from './types.gen';
 
 export type Options<TData extends TDataShape = TDataShape, ThrowOnError extends boolean = boolean, TResponse = unknown> = Options2<TData, ThrowOnError, TResponse> & {
     /**
@@ -19,11 +19,102 @@ export type Options<TData extends TDataShape = TDataShape, ThrowOnError extends 
 };
 
 /**
+ * Account Get
+ *
+ * Look at your account.
+ */
+export const accountGet = <ThrowOnError extends boolean = true>(options?: Options<AccountGetData, ThrowOnError>) => (options?.client ?? client).get<AccountGetResponses, AccountGetErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/account',
+    ...options
+});
+
+/**
+ * Account Update
+ *
+ * Change your name, or whether you are told by e-mail.
+ */
+export const accountUpdate = <ThrowOnError extends boolean = true>(options: Options<AccountUpdateData, ThrowOnError>) => (options.client ?? client).patch<AccountUpdateResponses, AccountUpdateErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/account',
+    ...options,
+    headers: {
+        'Content-Type': 'application/json',
+        ...options.headers
+    }
+});
+
+/**
+ * Account Password
+ *
+ * Take another password. Every other browser is signed out.
+ */
+export const accountPassword = <ThrowOnError extends boolean = true>(options: Options<AccountPasswordData, ThrowOnError>) => (options.client ?? client).put<AccountPasswordResponses, AccountPasswordErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/account/password',
+    ...options,
+    headers: {
+        'Content-Type': 'application/json',
+        ...options.headers
+    }
+});
+
+/**
+ * Account Sessions
+ *
+ * List the browsers in which you are signed in.
+ */
+export const accountSessions = <ThrowOnError extends boolean = true>(options?: Options<AccountSessionsData, ThrowOnError>) => (options?.client ?? client).get<AccountSessionsResponses, AccountSessionsErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/account/sessions',
+    ...options
+});
+
+/**
+ * Account End Session
+ *
+ * Sign out in one of them.
+ */
+export const accountEndSession = <ThrowOnError extends boolean = true>(options: Options<AccountEndSessionData, ThrowOnError>) => (options.client ?? client).delete<AccountEndSessionResponses, AccountEndSessionErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/account/sessions/{session_id}',
+    ...options
+});
+
+/**
  * Experiments List
  *
  * List experiments, newest first unless `sort` says otherwise.
  */
-export const experimentsList = <ThrowOnError extends boolean = true>(options?: Options<ExperimentsListData, ThrowOnError>) => (options?.client ?? client).get<ExperimentsListResponses, ExperimentsListErrors, ThrowOnError>({ url: '/api/v1/experiments', ...options });
+export const experimentsList = <ThrowOnError extends boolean = true>(options?: Options<ExperimentsListData, ThrowOnError>) => (options?.client ?? client).get<ExperimentsListResponses, ExperimentsListErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/experiments',
+    ...options
+});
 
 /**
  * Experiments Create
@@ -31,6 +122,11 @@ export const experimentsList = <ThrowOnError extends boolean = true>(options?: O
  * Describe what was filmed. Its frames are uploaded next.
  */
 export const experimentsCreate = <ThrowOnError extends boolean = true>(options: Options<ExperimentsCreateData, ThrowOnError>) => (options.client ?? client).post<ExperimentsCreateResponses, ExperimentsCreateErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
     url: '/api/v1/experiments',
     ...options,
     headers: {
@@ -44,14 +140,30 @@ export const experimentsCreate = <ThrowOnError extends boolean = true>(options: 
  *
  * Remove an experiment with its frames, runs and results.
  */
-export const experimentsDelete = <ThrowOnError extends boolean = true>(options: Options<ExperimentsDeleteData, ThrowOnError>) => (options.client ?? client).delete<ExperimentsDeleteResponses, ExperimentsDeleteErrors, ThrowOnError>({ url: '/api/v1/experiments/{experiment_id}', ...options });
+export const experimentsDelete = <ThrowOnError extends boolean = true>(options: Options<ExperimentsDeleteData, ThrowOnError>) => (options.client ?? client).delete<ExperimentsDeleteResponses, ExperimentsDeleteErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/experiments/{experiment_id}',
+    ...options
+});
 
 /**
  * Experiments Get
  *
  * Look at one experiment.
  */
-export const experimentsGet = <ThrowOnError extends boolean = true>(options: Options<ExperimentsGetData, ThrowOnError>) => (options.client ?? client).get<ExperimentsGetResponses, ExperimentsGetErrors, ThrowOnError>({ url: '/api/v1/experiments/{experiment_id}', ...options });
+export const experimentsGet = <ThrowOnError extends boolean = true>(options: Options<ExperimentsGetData, ThrowOnError>) => (options.client ?? client).get<ExperimentsGetResponses, ExperimentsGetErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/experiments/{experiment_id}',
+    ...options
+});
 
 /**
  * Experiments Update
@@ -59,6 +171,11 @@ export const experimentsGet = <ThrowOnError extends boolean = true>(options: Opt
  * Replace the description. Refused while a run goes on; finished runs keep the description they were made with.
  */
 export const experimentsUpdate = <ThrowOnError extends boolean = true>(options: Options<ExperimentsUpdateData, ThrowOnError>) => (options.client ?? client).patch<ExperimentsUpdateResponses, ExperimentsUpdateErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
     url: '/api/v1/experiments/{experiment_id}',
     ...options,
     headers: {
@@ -72,14 +189,30 @@ export const experimentsUpdate = <ThrowOnError extends boolean = true>(options: 
  *
  * Follow an experiment: `changed` with the experiment as it is now, at once and after every change.
  */
-export const experimentsEvents = <ThrowOnError extends boolean = true>(options: Options<ExperimentsEventsData, ThrowOnError, unknown>) => (options.client ?? client).sse.get<ExperimentsEventsResponses, ExperimentsEventsErrors, ThrowOnError>({ url: '/api/v1/experiments/{experiment_id}/events', ...options });
+export const experimentsEvents = <ThrowOnError extends boolean = true>(options: Options<ExperimentsEventsData, ThrowOnError, unknown>) => (options.client ?? client).sse.get<ExperimentsEventsResponses, ExperimentsEventsErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/experiments/{experiment_id}/events',
+    ...options
+});
 
 /**
  * Files List
  *
  * List the uploaded files, by role and name unless `sort` says otherwise.
  */
-export const filesList = <ThrowOnError extends boolean = true>(options: Options<FilesListData, ThrowOnError>) => (options.client ?? client).get<FilesListResponses, FilesListErrors, ThrowOnError>({ url: '/api/v1/experiments/{experiment_id}/files', ...options });
+export const filesList = <ThrowOnError extends boolean = true>(options: Options<FilesListData, ThrowOnError>) => (options.client ?? client).get<FilesListResponses, FilesListErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/experiments/{experiment_id}/files',
+    ...options
+});
 
 /**
  * Files Upload
@@ -88,6 +221,11 @@ export const filesList = <ThrowOnError extends boolean = true>(options: Options<
  */
 export const filesUpload = <ThrowOnError extends boolean = true>(options: Options<FilesUploadData, ThrowOnError>) => (options.client ?? client).put<FilesUploadResponses, FilesUploadErrors, ThrowOnError>({
     bodySerializer: null,
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
     url: '/api/v1/experiments/{experiment_id}/files',
     ...options,
     headers: {
@@ -101,14 +239,30 @@ export const filesUpload = <ThrowOnError extends boolean = true>(options: Option
  *
  * One frame as an 8-bit picture, its contrast stretched.
  */
-export const framesPicture = <ThrowOnError extends boolean = true>(options: Options<FramesPictureData, ThrowOnError>) => (options.client ?? client).get<FramesPictureResponses, FramesPictureErrors, ThrowOnError>({ url: '/api/v1/experiments/{experiment_id}/frames/{frame}.{kind}', ...options });
+export const framesPicture = <ThrowOnError extends boolean = true>(options: Options<FramesPictureData, ThrowOnError>) => (options.client ?? client).get<FramesPictureResponses, FramesPictureErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/experiments/{experiment_id}/frames/{frame}.{kind}',
+    ...options
+});
 
 /**
  * Runs List
  *
  * List the runs of an experiment, newest first unless `sort` says otherwise.
  */
-export const runsList = <ThrowOnError extends boolean = true>(options: Options<RunsListData, ThrowOnError>) => (options.client ?? client).get<RunsListResponses, RunsListErrors, ThrowOnError>({ url: '/api/v1/experiments/{experiment_id}/runs', ...options });
+export const runsList = <ThrowOnError extends boolean = true>(options: Options<RunsListData, ThrowOnError>) => (options.client ?? client).get<RunsListResponses, RunsListErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/experiments/{experiment_id}/runs',
+    ...options
+});
 
 /**
  * Runs Create
@@ -116,6 +270,11 @@ export const runsList = <ThrowOnError extends boolean = true>(options: Options<R
  * Analyse an experiment. Stages whose input is that of an earlier run are taken from it.
  */
 export const runsCreate = <ThrowOnError extends boolean = true>(options: Options<RunsCreateData, ThrowOnError>) => (options.client ?? client).post<RunsCreateResponses, RunsCreateErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
     url: '/api/v1/experiments/{experiment_id}/runs',
     ...options,
     headers: {
@@ -129,21 +288,45 @@ export const runsCreate = <ThrowOnError extends boolean = true>(options: Options
  *
  * Remove all uploaded files, to upload others.
  */
-export const stackDelete = <ThrowOnError extends boolean = true>(options: Options<StackDeleteData, ThrowOnError>) => (options.client ?? client).delete<StackDeleteResponses, StackDeleteErrors, ThrowOnError>({ url: '/api/v1/experiments/{experiment_id}/stack', ...options });
+export const stackDelete = <ThrowOnError extends boolean = true>(options: Options<StackDeleteData, ThrowOnError>) => (options.client ?? client).delete<StackDeleteResponses, StackDeleteErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/experiments/{experiment_id}/stack',
+    ...options
+});
 
 /**
  * Stack Complete
  *
  * Say that all files are there. Every frame is read; the stack becomes `ready` or `rejected` with the problem.
  */
-export const stackComplete = <ThrowOnError extends boolean = true>(options: Options<StackCompleteData, ThrowOnError>) => (options.client ?? client).post<StackCompleteResponses, StackCompleteErrors, ThrowOnError>({ url: '/api/v1/experiments/{experiment_id}/stack', ...options });
+export const stackComplete = <ThrowOnError extends boolean = true>(options: Options<StackCompleteData, ThrowOnError>) => (options.client ?? client).post<StackCompleteResponses, StackCompleteErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/experiments/{experiment_id}/stack',
+    ...options
+});
 
 /**
  * Uploads List
  *
  * What was announced and has not arrived.
  */
-export const uploadsList = <ThrowOnError extends boolean = true>(options: Options<UploadsListData, ThrowOnError>) => (options.client ?? client).get<UploadsListResponses, UploadsListErrors, ThrowOnError>({ url: '/api/v1/experiments/{experiment_id}/uploads', ...options });
+export const uploadsList = <ThrowOnError extends boolean = true>(options: Options<UploadsListData, ThrowOnError>) => (options.client ?? client).get<UploadsListResponses, UploadsListErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/experiments/{experiment_id}/uploads',
+    ...options
+});
 
 /**
  * Uploads Create
@@ -152,6 +335,11 @@ export const uploadsList = <ThrowOnError extends boolean = true>(options: Option
  */
 export const uploadsCreate = <ThrowOnError extends boolean = true>(options: Options<UploadsCreateData, ThrowOnError>) => (options.client ?? client).post<UploadsCreateResponses, UploadsCreateErrors, ThrowOnError>({
     bodySerializer: null,
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
     url: '/api/v1/experiments/{experiment_id}/uploads',
     ...options,
     headers: {
@@ -166,6 +354,11 @@ export const uploadsCreate = <ThrowOnError extends boolean = true>(options: Opti
  * Say which files should be here: the answer is what is to be sent. Asked again, it says what is left to send.
  */
 export const uploadsPlan = <ThrowOnError extends boolean = true>(options: Options<UploadsPlanData, ThrowOnError>) => (options.client ?? client).post<UploadsPlanResponses, UploadsPlanErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
     url: '/api/v1/experiments/{experiment_id}/uploads/plan',
     ...options,
     headers: {
@@ -179,21 +372,45 @@ export const uploadsPlan = <ThrowOnError extends boolean = true>(options: Option
  *
  * Give up an upload: what of it arrived is removed. Files that are complete stay.
  */
-export const uploadsTerminate = <ThrowOnError extends boolean = true>(options: Options<UploadsTerminateData, ThrowOnError>) => (options.client ?? client).delete<UploadsTerminateResponses, UploadsTerminateErrors, ThrowOnError>({ url: '/api/v1/experiments/{experiment_id}/uploads/{upload_id}', ...options });
+export const uploadsTerminate = <ThrowOnError extends boolean = true>(options: Options<UploadsTerminateData, ThrowOnError>) => (options.client ?? client).delete<UploadsTerminateResponses, UploadsTerminateErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/experiments/{experiment_id}/uploads/{upload_id}',
+    ...options
+});
 
 /**
  * Uploads Get
  *
  * Look at one upload.
  */
-export const uploadsGet = <ThrowOnError extends boolean = true>(options: Options<UploadsGetData, ThrowOnError>) => (options.client ?? client).get<UploadsGetResponses, UploadsGetErrors, ThrowOnError>({ url: '/api/v1/experiments/{experiment_id}/uploads/{upload_id}', ...options });
+export const uploadsGet = <ThrowOnError extends boolean = true>(options: Options<UploadsGetData, ThrowOnError>) => (options.client ?? client).get<UploadsGetResponses, UploadsGetErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/experiments/{experiment_id}/uploads/{upload_id}',
+    ...options
+});
 
 /**
  * Uploads Offset
  *
  * Ask how much of an upload is here: `Upload-Offset` of `Upload-Length` bytes.
  */
-export const uploadsOffset = <ThrowOnError extends boolean = true>(options: Options<UploadsOffsetData, ThrowOnError>) => (options.client ?? client).head<UploadsOffsetResponses, UploadsOffsetErrors, ThrowOnError>({ url: '/api/v1/experiments/{experiment_id}/uploads/{upload_id}', ...options });
+export const uploadsOffset = <ThrowOnError extends boolean = true>(options: Options<UploadsOffsetData, ThrowOnError>) => (options.client ?? client).head<UploadsOffsetResponses, UploadsOffsetErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/experiments/{experiment_id}/uploads/{upload_id}',
+    ...options
+});
 
 /**
  * Uploads Send
@@ -202,10 +419,215 @@ export const uploadsOffset = <ThrowOnError extends boolean = true>(options: Opti
  */
 export const uploadsSend = <ThrowOnError extends boolean = true>(options: Options<UploadsSendData, ThrowOnError>) => (options.client ?? client).patch<UploadsSendResponses, UploadsSendErrors, ThrowOnError>({
     bodySerializer: null,
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
     url: '/api/v1/experiments/{experiment_id}/uploads/{upload_id}',
     ...options,
     headers: {
         'Content-Type': 'application/offset+octet-stream',
+        ...options.headers
+    }
+});
+
+/**
+ * Groups List
+ *
+ * List the groups you are in, with what they use of the disk; administrators see all that people share.
+ */
+export const groupsList = <ThrowOnError extends boolean = true>(options?: Options<GroupsListData, ThrowOnError>) => (options?.client ?? client).get<GroupsListResponses, GroupsListErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/groups',
+    ...options
+});
+
+/**
+ * Groups Create
+ *
+ * Make a group. You manage it.
+ */
+export const groupsCreate = <ThrowOnError extends boolean = true>(options: Options<GroupsCreateData, ThrowOnError>) => (options.client ?? client).post<GroupsCreateResponses, GroupsCreateErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/groups',
+    ...options,
+    headers: {
+        'Content-Type': 'application/json',
+        ...options.headers
+    }
+});
+
+/**
+ * Groups Delete
+ *
+ * Remove a group to which no experiment belongs.
+ */
+export const groupsDelete = <ThrowOnError extends boolean = true>(options: Options<GroupsDeleteData, ThrowOnError>) => (options.client ?? client).delete<GroupsDeleteResponses, GroupsDeleteErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/groups/{group_id}',
+    ...options
+});
+
+/**
+ * Groups Get
+ *
+ * Look at one group.
+ */
+export const groupsGet = <ThrowOnError extends boolean = true>(options: Options<GroupsGetData, ThrowOnError>) => (options.client ?? client).get<GroupsGetResponses, GroupsGetErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/groups/{group_id}',
+    ...options
+});
+
+/**
+ * Groups Update
+ *
+ * Give a group another name.
+ */
+export const groupsUpdate = <ThrowOnError extends boolean = true>(options: Options<GroupsUpdateData, ThrowOnError>) => (options.client ?? client).patch<GroupsUpdateResponses, GroupsUpdateErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/groups/{group_id}',
+    ...options,
+    headers: {
+        'Content-Type': 'application/json',
+        ...options.headers
+    }
+});
+
+/**
+ * Invitations List
+ *
+ * List the invitations that nobody accepted yet.
+ */
+export const invitationsList = <ThrowOnError extends boolean = true>(options: Options<InvitationsListData, ThrowOnError>) => (options.client ?? client).get<InvitationsListResponses, InvitationsListErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/groups/{group_id}/invitations',
+    ...options
+});
+
+/**
+ * Invitations Create
+ *
+ * Invite somebody. The link is shown this once, and lets one person in.
+ */
+export const invitationsCreate = <ThrowOnError extends boolean = true>(options: Options<InvitationsCreateData, ThrowOnError>) => (options.client ?? client).post<InvitationsCreateResponses, InvitationsCreateErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/groups/{group_id}/invitations',
+    ...options,
+    headers: {
+        'Content-Type': 'application/json',
+        ...options.headers
+    }
+});
+
+/**
+ * Invitations Delete
+ *
+ * Take an invitation back.
+ */
+export const invitationsDelete = <ThrowOnError extends boolean = true>(options: Options<InvitationsDeleteData, ThrowOnError>) => (options.client ?? client).delete<InvitationsDeleteResponses, InvitationsDeleteErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/groups/{group_id}/invitations/{invitation_id}',
+    ...options
+});
+
+/**
+ * Groups Limit
+ *
+ * Say how much of the disk and how many runs at once a group may have; null: what the service's settings say.
+ */
+export const groupsLimit = <ThrowOnError extends boolean = true>(options: Options<GroupsLimitData, ThrowOnError>) => (options.client ?? client).put<GroupsLimitResponses, GroupsLimitErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/groups/{group_id}/limits',
+    ...options,
+    headers: {
+        'Content-Type': 'application/json',
+        ...options.headers
+    }
+});
+
+/**
+ * Members List
+ *
+ * List who is in a group.
+ */
+export const membersList = <ThrowOnError extends boolean = true>(options: Options<MembersListData, ThrowOnError>) => (options.client ?? client).get<MembersListResponses, MembersListErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/groups/{group_id}/members',
+    ...options
+});
+
+/**
+ * Members Remove
+ *
+ * Take somebody out of a group you manage, or leave one yourself.
+ */
+export const membersRemove = <ThrowOnError extends boolean = true>(options: Options<MembersRemoveData, ThrowOnError>) => (options.client ?? client).delete<MembersRemoveResponses, MembersRemoveErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/groups/{group_id}/members/{person_id}',
+    ...options
+});
+
+/**
+ * Members Set
+ *
+ * Give a member another right. An administrator may add anybody; others invite.
+ */
+export const membersSet = <ThrowOnError extends boolean = true>(options: Options<MembersSetData, ThrowOnError>) => (options.client ?? client).put<MembersSetResponses, MembersSetErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/groups/{group_id}/members/{person_id}',
+    ...options,
+    headers: {
+        'Content-Type': 'application/json',
         ...options.headers
     }
 });
@@ -218,165 +640,445 @@ export const uploadsSend = <ThrowOnError extends boolean = true>(options: Option
 export const healthGet = <ThrowOnError extends boolean = true>(options?: Options<HealthGetData, ThrowOnError>) => (options?.client ?? client).get<HealthGetResponses, HealthGetErrors, ThrowOnError>({ url: '/api/v1/health', ...options });
 
 /**
+ * Invitations Accept
+ *
+ * Join a group: as who is signed in, else with a new account, in which you are signed in.
+ */
+export const invitationsAccept = <ThrowOnError extends boolean = true>(options: Options<InvitationsAcceptData, ThrowOnError>) => (options.client ?? client).post<InvitationsAcceptResponses, InvitationsAcceptErrors, ThrowOnError>({
+    url: '/api/v1/invitations/accept',
+    ...options,
+    headers: {
+        'Content-Type': 'application/json',
+        ...options.headers
+    }
+});
+
+/**
+ * Invitations Look
+ *
+ * Tell what an invitation invites to. It answers whoever holds it.
+ */
+export const invitationsLook = <ThrowOnError extends boolean = true>(options: Options<InvitationsLookData, ThrowOnError>) => (options.client ?? client).post<InvitationsLookResponses, InvitationsLookErrors, ThrowOnError>({
+    url: '/api/v1/invitations/look',
+    ...options,
+    headers: {
+        'Content-Type': 'application/json',
+        ...options.headers
+    }
+});
+
+/**
  * Materials List
  *
  * List the materials that come with the software.
  */
-export const materialsList = <ThrowOnError extends boolean = true>(options?: Options<MaterialsListData, ThrowOnError>) => (options?.client ?? client).get<MaterialsListResponses, MaterialsListErrors, ThrowOnError>({ url: '/api/v1/materials', ...options });
+export const materialsList = <ThrowOnError extends boolean = true>(options?: Options<MaterialsListData, ThrowOnError>) => (options?.client ?? client).get<MaterialsListResponses, MaterialsListErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/materials',
+    ...options
+});
 
 /**
  * Materials Get
  *
  * Get every property of a material at a temperature, and how fast droplets move in it.
  */
-export const materialsGet = <ThrowOnError extends boolean = true>(options: Options<MaterialsGetData, ThrowOnError>) => (options.client ?? client).get<MaterialsGetResponses, MaterialsGetErrors, ThrowOnError>({ url: '/api/v1/materials/{name}', ...options });
+export const materialsGet = <ThrowOnError extends boolean = true>(options: Options<MaterialsGetData, ThrowOnError>) => (options.client ?? client).get<MaterialsGetResponses, MaterialsGetErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/materials/{name}',
+    ...options
+});
 
 /**
  * Materials Get Phase Diagram
  *
  * Get the phase diagram of a mixture, as Plotly draws it.
  */
-export const materialsGetPhaseDiagram = <ThrowOnError extends boolean = true>(options: Options<MaterialsGetPhaseDiagramData, ThrowOnError>) => (options.client ?? client).get<MaterialsGetPhaseDiagramResponses, MaterialsGetPhaseDiagramErrors, ThrowOnError>({ url: '/api/v1/materials/{name}/phase_diagram', ...options });
+export const materialsGetPhaseDiagram = <ThrowOnError extends boolean = true>(options: Options<MaterialsGetPhaseDiagramData, ThrowOnError>) => (options.client ?? client).get<MaterialsGetPhaseDiagramResponses, MaterialsGetPhaseDiagramErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/materials/{name}/phase_diagram',
+    ...options
+});
 
 /**
  * Ramps Get
  *
  * Compute the temperature ramp that keeps the driving parameter constant.
  */
-export const rampsGet = <ThrowOnError extends boolean = true>(options: Options<RampsGetData, ThrowOnError>) => (options.client ?? client).get<RampsGetResponses, RampsGetErrors, ThrowOnError>({ url: '/api/v1/materials/{name}/ramp', ...options });
+export const rampsGet = <ThrowOnError extends boolean = true>(options: Options<RampsGetData, ThrowOnError>) => (options.client ?? client).get<RampsGetResponses, RampsGetErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/materials/{name}/ramp',
+    ...options
+});
 
 /**
  * Ramps Download
  *
  * Download the set points of a ramp: `time_s`, `temperature_c` and `stage`, one row a second.
  */
-export const rampsDownload = <ThrowOnError extends boolean = true>(options: Options<RampsDownloadData, ThrowOnError>) => (options.client ?? client).get<RampsDownloadResponses, RampsDownloadErrors, ThrowOnError>({ url: '/api/v1/materials/{name}/ramp.csv', ...options });
+export const rampsDownload = <ThrowOnError extends boolean = true>(options: Options<RampsDownloadData, ThrowOnError>) => (options.client ?? client).get<RampsDownloadResponses, RampsDownloadErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/materials/{name}/ramp.csv',
+    ...options
+});
 
 /**
  * Materials Get Viscosity
  *
  * Get the viscosities of a mixture against temperature, as Plotly draws them.
  */
-export const materialsGetViscosity = <ThrowOnError extends boolean = true>(options: Options<MaterialsGetViscosityData, ThrowOnError>) => (options.client ?? client).get<MaterialsGetViscosityResponses, MaterialsGetViscosityErrors, ThrowOnError>({ url: '/api/v1/materials/{name}/viscosity', ...options });
+export const materialsGetViscosity = <ThrowOnError extends boolean = true>(options: Options<MaterialsGetViscosityData, ThrowOnError>) => (options.client ?? client).get<MaterialsGetViscosityResponses, MaterialsGetViscosityErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/materials/{name}/viscosity',
+    ...options
+});
+
+/**
+ * People List
+ *
+ * List everybody who has an account. For administrators.
+ */
+export const peopleList = <ThrowOnError extends boolean = true>(options?: Options<PeopleListData, ThrowOnError>) => (options?.client ?? client).get<PeopleListResponses, PeopleListErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/people',
+    ...options
+});
+
+/**
+ * People Create
+ *
+ * Make an account. The link that is answered signs its person in once, to choose a password. For administrators.
+ */
+export const peopleCreate = <ThrowOnError extends boolean = true>(options: Options<PeopleCreateData, ThrowOnError>) => (options.client ?? client).post<PeopleCreateResponses, PeopleCreateErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/people',
+    ...options,
+    headers: {
+        'Content-Type': 'application/json',
+        ...options.headers
+    }
+});
+
+/**
+ * People Update
+ *
+ * Make somebody an administrator, or let them in no more. For administrators.
+ */
+export const peopleUpdate = <ThrowOnError extends boolean = true>(options: Options<PeopleUpdateData, ThrowOnError>) => (options.client ?? client).patch<PeopleUpdateResponses, PeopleUpdateErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/people/{person_id}',
+    ...options,
+    headers: {
+        'Content-Type': 'application/json',
+        ...options.headers
+    }
+});
+
+/**
+ * People Link
+ *
+ * Make a link that signs somebody in once, because they forgot their password. For administrators.
+ */
+export const peopleLink = <ThrowOnError extends boolean = true>(options: Options<PeopleLinkData, ThrowOnError>) => (options.client ?? client).post<PeopleLinkResponses, PeopleLinkErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/people/{person_id}/link',
+    ...options
+});
 
 /**
  * Runs List All
  *
  * List the runs of all experiments, newest first unless `sort` says otherwise.
  */
-export const runsListAll = <ThrowOnError extends boolean = true>(options?: Options<RunsListAllData, ThrowOnError>) => (options?.client ?? client).get<RunsListAllResponses, RunsListAllErrors, ThrowOnError>({ url: '/api/v1/runs', ...options });
+export const runsListAll = <ThrowOnError extends boolean = true>(options?: Options<RunsListAllData, ThrowOnError>) => (options?.client ?? client).get<RunsListAllResponses, RunsListAllErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/runs',
+    ...options
+});
 
 /**
  * Runs Delete
  *
  * Remove a run that ended, with its results.
  */
-export const runsDelete = <ThrowOnError extends boolean = true>(options: Options<RunsDeleteData, ThrowOnError>) => (options.client ?? client).delete<RunsDeleteResponses, RunsDeleteErrors, ThrowOnError>({ url: '/api/v1/runs/{run_id}', ...options });
+export const runsDelete = <ThrowOnError extends boolean = true>(options: Options<RunsDeleteData, ThrowOnError>) => (options.client ?? client).delete<RunsDeleteResponses, RunsDeleteErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/runs/{run_id}',
+    ...options
+});
 
 /**
  * Runs Get
  *
  * Look at one run.
  */
-export const runsGet = <ThrowOnError extends boolean = true>(options: Options<RunsGetData, ThrowOnError>) => (options.client ?? client).get<RunsGetResponses, RunsGetErrors, ThrowOnError>({ url: '/api/v1/runs/{run_id}', ...options });
+export const runsGet = <ThrowOnError extends boolean = true>(options: Options<RunsGetData, ThrowOnError>) => (options.client ?? client).get<RunsGetResponses, RunsGetErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/runs/{run_id}',
+    ...options
+});
 
 /**
  * Runs Cancel
  *
  * Stop a run. It is `cancelled` as soon as nobody works on it any more.
  */
-export const runsCancel = <ThrowOnError extends boolean = true>(options: Options<RunsCancelData, ThrowOnError>) => (options.client ?? client).post<RunsCancelResponses, RunsCancelErrors, ThrowOnError>({ url: '/api/v1/runs/{run_id}/cancel', ...options });
+export const runsCancel = <ThrowOnError extends boolean = true>(options: Options<RunsCancelData, ThrowOnError>) => (options.client ?? client).post<RunsCancelResponses, RunsCancelErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/runs/{run_id}/cancel',
+    ...options
+});
 
 /**
  * Runs Events
  *
  * Follow a run: `changed` with the run as it is now, at once and after every change, until it has ended.
  */
-export const runsEvents = <ThrowOnError extends boolean = true>(options: Options<RunsEventsData, ThrowOnError, unknown>) => (options.client ?? client).sse.get<RunsEventsResponses, RunsEventsErrors, ThrowOnError>({ url: '/api/v1/runs/{run_id}/events', ...options });
+export const runsEvents = <ThrowOnError extends boolean = true>(options: Options<RunsEventsData, ThrowOnError, unknown>) => (options.client ?? client).sse.get<RunsEventsResponses, RunsEventsErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/runs/{run_id}/events',
+    ...options
+});
 
 /**
  * Figures List
  *
  * List the figures: what each shows, what it can be asked, and whether it is there by now.
  */
-export const figuresList = <ThrowOnError extends boolean = true>(options: Options<FiguresListData, ThrowOnError>) => (options.client ?? client).get<FiguresListResponses, FiguresListErrors, ThrowOnError>({ url: '/api/v1/runs/{run_id}/figures', ...options });
+export const figuresList = <ThrowOnError extends boolean = true>(options: Options<FiguresListData, ThrowOnError>) => (options.client ?? client).get<FiguresListResponses, FiguresListErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/runs/{run_id}/figures',
+    ...options
+});
 
 /**
  * Figures Get
  *
  * Get a figure as Plotly draws it, of what is done so far.
  */
-export const figuresGet = <ThrowOnError extends boolean = true>(options: Options<FiguresGetData, ThrowOnError>) => (options.client ?? client).get<FiguresGetResponses, FiguresGetErrors, ThrowOnError>({ url: '/api/v1/runs/{run_id}/figures/{name}', ...options });
+export const figuresGet = <ThrowOnError extends boolean = true>(options: Options<FiguresGetData, ThrowOnError>) => (options.client ?? client).get<FiguresGetResponses, FiguresGetErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/runs/{run_id}/figures/{name}',
+    ...options
+});
 
 /**
  * Figures Table
  *
  * Download the numbers of a figure, of what is done so far.
  */
-export const figuresTable = <ThrowOnError extends boolean = true>(options: Options<FiguresTableData, ThrowOnError>) => (options.client ?? client).get<FiguresTableResponses, FiguresTableErrors, ThrowOnError>({ url: '/api/v1/runs/{run_id}/figures/{name}/table.csv', ...options });
+export const figuresTable = <ThrowOnError extends boolean = true>(options: Options<FiguresTableData, ThrowOnError>) => (options.client ?? client).get<FiguresTableResponses, FiguresTableErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/runs/{run_id}/figures/{name}/table.csv',
+    ...options
+});
 
 /**
  * Result Files List
  *
  * List what there is to download so far.
  */
-export const resultFilesList = <ThrowOnError extends boolean = true>(options: Options<ResultFilesListData, ThrowOnError>) => (options.client ?? client).get<ResultFilesListResponses, ResultFilesListErrors, ThrowOnError>({ url: '/api/v1/runs/{run_id}/files', ...options });
+export const resultFilesList = <ThrowOnError extends boolean = true>(options: Options<ResultFilesListData, ThrowOnError>) => (options.client ?? client).get<ResultFilesListResponses, ResultFilesListErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/runs/{run_id}/files',
+    ...options
+});
 
 /**
  * Result Files Download
  *
  * Download a table, the flow field or the summary, whole or by `Range`.
  */
-export const resultFilesDownload = <ThrowOnError extends boolean = true>(options: Options<ResultFilesDownloadData, ThrowOnError>) => (options.client ?? client).get<ResultFilesDownloadResponses, ResultFilesDownloadErrors, ThrowOnError>({ url: '/api/v1/runs/{run_id}/files/{name}', ...options });
+export const resultFilesDownload = <ThrowOnError extends boolean = true>(options: Options<ResultFilesDownloadData, ThrowOnError>) => (options.client ?? client).get<ResultFilesDownloadResponses, ResultFilesDownloadErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/runs/{run_id}/files/{name}',
+    ...options
+});
 
 /**
  * Flow Maps Get
  *
  * Get the flow with its speed, vorticity and divergence, at one step or averaged over a range of time.
  */
-export const flowMapsGet = <ThrowOnError extends boolean = true>(options: Options<FlowMapsGetData, ThrowOnError>) => (options.client ?? client).get<FlowMapsGetResponses, FlowMapsGetErrors, ThrowOnError>({ url: '/api/v1/runs/{run_id}/flow_map', ...options });
+export const flowMapsGet = <ThrowOnError extends boolean = true>(options: Options<FlowMapsGetData, ThrowOnError>) => (options.client ?? client).get<FlowMapsGetResponses, FlowMapsGetErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/runs/{run_id}/flow_map',
+    ...options
+});
 
 /**
  * Droplets Get
  *
  * Get the droplets of one frame.
  */
-export const dropletsGet = <ThrowOnError extends boolean = true>(options: Options<DropletsGetData, ThrowOnError>) => (options.client ?? client).get<DropletsGetResponses, DropletsGetErrors, ThrowOnError>({ url: '/api/v1/runs/{run_id}/frames/{frame}/droplets', ...options });
+export const dropletsGet = <ThrowOnError extends boolean = true>(options: Options<DropletsGetData, ThrowOnError>) => (options.client ?? client).get<DropletsGetResponses, DropletsGetErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/runs/{run_id}/frames/{frame}/droplets',
+    ...options
+});
 
 /**
  * Flow Get
  *
  * Get the flow between a frame and the next.
  */
-export const flowGet = <ThrowOnError extends boolean = true>(options: Options<FlowGetData, ThrowOnError>) => (options.client ?? client).get<FlowGetResponses, FlowGetErrors, ThrowOnError>({ url: '/api/v1/runs/{run_id}/frames/{frame}/flow', ...options });
+export const flowGet = <ThrowOnError extends boolean = true>(options: Options<FlowGetData, ThrowOnError>) => (options.client ?? client).get<FlowGetResponses, FlowGetErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/runs/{run_id}/frames/{frame}/flow',
+    ...options
+});
 
 /**
  * Tails Get
  *
  * Get where the droplets of a frame were in the frames before.
  */
-export const tailsGet = <ThrowOnError extends boolean = true>(options: Options<TailsGetData, ThrowOnError>) => (options.client ?? client).get<TailsGetResponses, TailsGetErrors, ThrowOnError>({ url: '/api/v1/runs/{run_id}/frames/{frame}/tails', ...options });
+export const tailsGet = <ThrowOnError extends boolean = true>(options: Options<TailsGetData, ThrowOnError>) => (options.client ?? client).get<TailsGetResponses, TailsGetErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/runs/{run_id}/frames/{frame}/tails',
+    ...options
+});
 
 /**
  * Quality Get
  *
  * Get how well a run did over time.
  */
-export const qualityGet = <ThrowOnError extends boolean = true>(options: Options<QualityGetData, ThrowOnError>) => (options.client ?? client).get<QualityGetResponses, QualityGetErrors, ThrowOnError>({ url: '/api/v1/runs/{run_id}/quality', ...options });
+export const qualityGet = <ThrowOnError extends boolean = true>(options: Options<QualityGetData, ThrowOnError>) => (options.client ?? client).get<QualityGetResponses, QualityGetErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/runs/{run_id}/quality',
+    ...options
+});
 
 /**
  * Runs Retry
  *
  * Try a failed run again as a new run, which is answered. What had been done is not done again.
  */
-export const runsRetry = <ThrowOnError extends boolean = true>(options: Options<RunsRetryData, ThrowOnError>) => (options.client ?? client).post<RunsRetryResponses, RunsRetryErrors, ThrowOnError>({ url: '/api/v1/runs/{run_id}/retry', ...options });
+export const runsRetry = <ThrowOnError extends boolean = true>(options: Options<RunsRetryData, ThrowOnError>) => (options.client ?? client).post<RunsRetryResponses, RunsRetryErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/runs/{run_id}/retry',
+    ...options
+});
 
 /**
  * Trajectories Get
  *
  * Get size, place and velocity of one droplet over time.
  */
-export const trajectoriesGet = <ThrowOnError extends boolean = true>(options: Options<TrajectoriesGetData, ThrowOnError>) => (options.client ?? client).get<TrajectoriesGetResponses, TrajectoriesGetErrors, ThrowOnError>({ url: '/api/v1/runs/{run_id}/trajectories/{trajectory_id}', ...options });
+export const trajectoriesGet = <ThrowOnError extends boolean = true>(options: Options<TrajectoriesGetData, ThrowOnError>) => (options.client ?? client).get<TrajectoriesGetResponses, TrajectoriesGetErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/runs/{run_id}/trajectories/{trajectory_id}',
+    ...options
+});
 
 /**
  * Schemas Get Experiment
@@ -391,3 +1093,80 @@ export const schemasGetExperiment = <ThrowOnError extends boolean = true>(option
  * Get the JSON Schema of a run's parameters: default, unit, range and the paper's value of each.
  */
 export const schemasGetParameters = <ThrowOnError extends boolean = true>(options?: Options<SchemasGetParametersData, ThrowOnError>) => (options?.client ?? client).get<SchemasGetParametersResponses, SchemasGetParametersErrors, ThrowOnError>({ url: '/api/v1/schemas/parameters', ...options });
+
+/**
+ * Session Delete
+ *
+ * Sign out in this browser.
+ */
+export const sessionDelete = <ThrowOnError extends boolean = true>(options?: Options<SessionDeleteData, ThrowOnError>) => (options?.client ?? client).delete<SessionDeleteResponses, SessionDeleteErrors, ThrowOnError>({ url: '/api/v1/session', ...options });
+
+/**
+ * Session Get
+ *
+ * Tell who is signed in, and how one can. It answers everybody.
+ */
+export const sessionGet = <ThrowOnError extends boolean = true>(options?: Options<SessionGetData, ThrowOnError>) => (options?.client ?? client).get<SessionGetResponses, SessionGetErrors, ThrowOnError>({ url: '/api/v1/session', ...options });
+
+/**
+ * Session Create
+ *
+ * Sign in: with e-mail and password, or with a link's secret. The session is an HttpOnly cookie.
+ */
+export const sessionCreate = <ThrowOnError extends boolean = true>(options: Options<SessionCreateData, ThrowOnError>) => (options.client ?? client).post<SessionCreateResponses, SessionCreateErrors, ThrowOnError>({
+    url: '/api/v1/session',
+    ...options,
+    headers: {
+        'Content-Type': 'application/json',
+        ...options.headers
+    }
+});
+
+/**
+ * Tokens List
+ *
+ * List your tokens, with when each was last used.
+ */
+export const tokensList = <ThrowOnError extends boolean = true>(options?: Options<TokensListData, ThrowOnError>) => (options?.client ?? client).get<TokensListResponses, TokensListErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/tokens',
+    ...options
+});
+
+/**
+ * Tokens Create
+ *
+ * Make a token for a program. Its secret is shown this once: `Authorization: Bearer <secret>`.
+ */
+export const tokensCreate = <ThrowOnError extends boolean = true>(options: Options<TokensCreateData, ThrowOnError>) => (options.client ?? client).post<TokensCreateResponses, TokensCreateErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/tokens',
+    ...options,
+    headers: {
+        'Content-Type': 'application/json',
+        ...options.headers
+    }
+});
+
+/**
+ * Tokens Revoke
+ *
+ * Revoke a token at once.
+ */
+export const tokensRevoke = <ThrowOnError extends boolean = true>(options: Options<TokensRevokeData, ThrowOnError>) => (options.client ?? client).delete<TokensRevokeResponses, TokensRevokeErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/tokens/{token_id}',
+    ...options
+});

@@ -5,6 +5,19 @@ export type ClientOptions = {
 };
 
 /**
+ * AcceptInvitation
+ *
+ * The secret of an invitation; without an account, also who you are.
+ */
+export type AcceptInvitation = {
+    account?: NewAccount | null;
+    /**
+     * Secret
+     */
+    secret: string;
+};
+
+/**
  * Announced
  *
  * A file that somebody wants to send.
@@ -26,6 +39,22 @@ export type Announced = {
 };
 
 /**
+ * ChangeAccount
+ *
+ * What to change of your account; what is absent stays.
+ */
+export type ChangeAccount = {
+    /**
+     * Is Mailed
+     */
+    is_mailed?: boolean | null;
+    /**
+     * Name
+     */
+    name?: string | null;
+};
+
+/**
  * ChangeExperiment
  *
  * The whole new document.
@@ -37,6 +66,43 @@ export type ChangeExperiment = {
     experiment: {
         [key: string]: unknown;
     };
+};
+
+/**
+ * ChangeGroup
+ *
+ * What to change of a group.
+ */
+export type ChangeGroup = {
+    /**
+     * Name
+     */
+    name: string;
+};
+
+/**
+ * ChangeMember
+ *
+ * Another right for a member.
+ */
+export type ChangeMember = {
+    right: Right;
+};
+
+/**
+ * ChangePerson
+ *
+ * What to change of a person; what is absent stays.
+ */
+export type ChangePerson = {
+    /**
+     * Is Administrator
+     */
+    is_administrator?: boolean | null;
+    /**
+     * Is Disabled
+     */
+    is_disabled?: boolean | null;
 };
 
 /**
@@ -456,6 +522,18 @@ export type Group = {
 };
 
 /**
+ * Groups
+ *
+ * Your groups.
+ */
+export type Groups = {
+    /**
+     * Items
+     */
+    items: Array<OwnGroup>;
+};
+
+/**
  * Health
  *
  * The service can do its work.
@@ -473,6 +551,157 @@ export type Health = {
      * Version
      */
     version: string;
+};
+
+/**
+ * Invitation
+ *
+ * An invitation that is open.
+ */
+export type Invitation = {
+    /**
+     * Created At
+     */
+    created_at: string;
+    /**
+     * Expires At
+     */
+    expires_at: string;
+    /**
+     * Id
+     */
+    id: string;
+    right: Right;
+};
+
+/**
+ * Invitations
+ *
+ * The invitations of a group that are open.
+ */
+export type Invitations = {
+    /**
+     * Items
+     */
+    items: Array<Invitation>;
+};
+
+/**
+ * KnownPerson
+ *
+ * A person as an administrator sees them.
+ */
+export type KnownPerson = {
+    /**
+     * Created At
+     */
+    created_at: string;
+    /**
+     * Email
+     */
+    email: string | null;
+    /**
+     * Id
+     */
+    id: string;
+    /**
+     * Is Administrator
+     */
+    is_administrator: boolean;
+    /**
+     * Is Disabled
+     */
+    is_disabled: boolean;
+    /**
+     * Name
+     */
+    name: string;
+    /**
+     * Seen At
+     */
+    seen_at: string | null;
+    /**
+     * Signs In By
+     */
+    signs_in_by: Array<'password' | 'oidc'>;
+};
+
+/**
+ * Limits
+ *
+ * What a group may use; null: what the service's settings say.
+ */
+export type Limits = {
+    /**
+     * Max Active Runs
+     */
+    max_active_runs: number | null;
+    /**
+     * Max Bytes
+     */
+    max_bytes: number | null;
+};
+
+/**
+ * MadeInvitation
+ *
+ * The same with its link, which is shown this once.
+ */
+export type MadeInvitation = {
+    /**
+     * Created At
+     */
+    created_at: string;
+    /**
+     * Expires At
+     */
+    expires_at: string;
+    /**
+     * Id
+     */
+    id: string;
+    /**
+     * Link
+     */
+    link: string;
+    right: Right;
+};
+
+/**
+ * MadeToken
+ *
+ * The same with its secret, which is shown this once.
+ */
+export type MadeToken = {
+    /**
+     * Beginning
+     */
+    beginning: string;
+    /**
+     * Created At
+     */
+    created_at: string;
+    /**
+     * Expires At
+     */
+    expires_at: string;
+    /**
+     * Id
+     */
+    id: string;
+    /**
+     * Name
+     */
+    name: string;
+    scope: Scope;
+    /**
+     * Secret
+     */
+    secret: string;
+    /**
+     * Used At
+     */
+    used_at: string | null;
 };
 
 /**
@@ -548,6 +777,63 @@ export type Materials = {
 };
 
 /**
+ * Member
+ *
+ * Somebody in a group.
+ */
+export type Member = {
+    /**
+     * Email
+     */
+    email: string | null;
+    /**
+     * Joined At
+     */
+    joined_at: string;
+    /**
+     * Name
+     */
+    name: string;
+    /**
+     * Person Id
+     */
+    person_id: string;
+    right: Right;
+};
+
+/**
+ * Members
+ *
+ * Everybody in a group.
+ */
+export type Members = {
+    /**
+     * Items
+     */
+    items: Array<Member>;
+};
+
+/**
+ * NewAccount
+ *
+ * What somebody says of themselves.
+ */
+export type NewAccount = {
+    /**
+     * Email
+     */
+    email: string;
+    /**
+     * Name
+     */
+    name: string;
+    /**
+     * Password
+     */
+    password: string;
+};
+
+/**
  * NewExperiment
  *
  * What a new experiment needs.
@@ -563,6 +849,67 @@ export type NewExperiment = {
      * Group Id
      */
     group_id?: string | null;
+};
+
+/**
+ * NewGroup
+ *
+ * A group to make.
+ */
+export type NewGroup = {
+    /**
+     * Name
+     */
+    name: string;
+};
+
+/**
+ * NewInvitation
+ *
+ * An invitation to make.
+ */
+export type NewInvitation = {
+    /**
+     * Days
+     */
+    days?: number;
+    right?: Right;
+};
+
+/**
+ * NewPassword
+ *
+ * Another password. `old` is not asked for after signing in with a link.
+ */
+export type NewPassword = {
+    /**
+     * New
+     */
+    new: string;
+    /**
+     * Old
+     */
+    old?: string | null;
+};
+
+/**
+ * NewPerson
+ *
+ * Somebody to make an account for.
+ */
+export type NewPerson = {
+    /**
+     * Email
+     */
+    email: string;
+    /**
+     * Is Administrator
+     */
+    is_administrator?: boolean;
+    /**
+     * Name
+     */
+    name: string;
 };
 
 /**
@@ -589,6 +936,110 @@ export type NewRun = {
     parameters?: {
         [key: string]: unknown;
     };
+};
+
+/**
+ * NewToken
+ *
+ * A token to make. `read` looks; `submit` also uploads, runs and deletes; `admin` does all that you can.
+ */
+export type NewToken = {
+    /**
+     * Days
+     */
+    days?: number;
+    /**
+     * Name
+     */
+    name: string;
+    scope?: Scope;
+};
+
+/**
+ * OwnGroup
+ *
+ * A group as its members see it.
+ */
+export type OwnGroup = {
+    /**
+     * Id
+     */
+    id: string;
+    /**
+     * Is Personal
+     */
+    is_personal: boolean;
+    /**
+     * N Members
+     */
+    n_members: number;
+    /**
+     * Name
+     */
+    name: string;
+    right: Right | null;
+    usage: Usage;
+};
+
+/**
+ * People
+ *
+ * Everybody.
+ */
+export type People = {
+    /**
+     * Items
+     */
+    items: Array<KnownPerson>;
+};
+
+/**
+ * Person
+ *
+ * A person as they see themselves.
+ */
+export type Person = {
+    /**
+     * Email
+     */
+    email: string | null;
+    /**
+     * Has Password
+     */
+    has_password: boolean;
+    /**
+     * Id
+     */
+    id: string;
+    /**
+     * Is Administrator
+     */
+    is_administrator: boolean;
+    /**
+     * Is Mailed
+     */
+    is_mailed: boolean;
+    /**
+     * Name
+     */
+    name: string;
+};
+
+/**
+ * PersonLink
+ *
+ * A link that signs this person in, once. It is shown this once.
+ */
+export type PersonLink = {
+    /**
+     * Expires At
+     */
+    expires_at: string;
+    /**
+     * Link
+     */
+    link: string;
+    person: KnownPerson;
 };
 
 /**
@@ -829,6 +1280,13 @@ export type ResultFiles = {
 };
 
 /**
+ * Right
+ *
+ * What a member may do with what belongs to a group; each right holds those before it.
+ */
+export type Right = 'view' | 'edit' | 'manage';
+
+/**
  * Role
  *
  * What a file is for: frames, or what the experiment's document names beside them.
@@ -961,6 +1419,13 @@ export type Runs = {
 };
 
 /**
+ * Scope
+ *
+ * What a token may be used for; each scope holds those before it.
+ */
+export type Scope = 'read' | 'submit' | 'admin';
+
+/**
  * Sedimentation
  *
  * How fast droplets of some radii move along `up` in one phase, by Stokes' law.
@@ -989,11 +1454,116 @@ export type Sedimentation = {
 };
 
 /**
+ * Session
+ *
+ * Who is signed in, and how one can.
+ */
+export type Session = {
+    /**
+     * Groups
+     */
+    groups: Array<OwnGroup>;
+    /**
+     * Is Local
+     */
+    is_local: boolean;
+    /**
+     * Oidc Name
+     */
+    oidc_name: string | null;
+    person: Person | null;
+    /**
+     * Shared Run Id
+     */
+    shared_run_id: string | null;
+    /**
+     * Ways
+     */
+    ways: Array<Way>;
+};
+
+/**
+ * ShownInvitation
+ *
+ * The invitation somebody holds.
+ */
+export type ShownInvitation = {
+    /**
+     * Secret
+     */
+    secret: string;
+};
+
+/**
+ * SignIn
+ *
+ * One of: e-mail and password, or the secret of a link.
+ */
+export type SignIn = {
+    /**
+     * Email
+     */
+    email?: string | null;
+    /**
+     * Link
+     */
+    link?: string | null;
+    /**
+     * Password
+     */
+    password?: string | null;
+};
+
+/**
  * Signal
  *
  * What oscillates, as one number a time.
  */
 export type Signal = 'sauter_radius' | 'mean_radius' | 'n_droplets' | 'n_small';
+
+/**
+ * SignedInBrowser
+ *
+ * A browser in which you are signed in.
+ */
+export type SignedInBrowser = {
+    /**
+     * Browser
+     */
+    browser: string;
+    /**
+     * Came By
+     */
+    came_by: string;
+    /**
+     * Created At
+     */
+    created_at: string;
+    /**
+     * Id
+     */
+    id: string;
+    /**
+     * Is This
+     */
+    is_this: boolean;
+    /**
+     * Used At
+     */
+    used_at: string;
+};
+
+/**
+ * SignedInBrowsers
+ *
+ * All of them.
+ */
+export type SignedInBrowsers = {
+    /**
+     * Items
+     */
+    items: Array<SignedInBrowser>;
+};
 
 /**
  * Stack
@@ -1135,6 +1705,51 @@ export type Tails = {
 };
 
 /**
+ * Token
+ *
+ * A token without its secret.
+ */
+export type Token = {
+    /**
+     * Beginning
+     */
+    beginning: string;
+    /**
+     * Created At
+     */
+    created_at: string;
+    /**
+     * Expires At
+     */
+    expires_at: string;
+    /**
+     * Id
+     */
+    id: string;
+    /**
+     * Name
+     */
+    name: string;
+    scope: Scope;
+    /**
+     * Used At
+     */
+    used_at: string | null;
+};
+
+/**
+ * Tokens
+ *
+ * Your tokens that were not revoked.
+ */
+export type Tokens = {
+    /**
+     * Items
+     */
+    items: Array<Token>;
+};
+
+/**
  * Trajectory
  *
  * One droplet over all frames in which it was followed, one array a column.
@@ -1263,11 +1878,313 @@ export type Uploads = {
 };
 
 /**
+ * Usage
+ *
+ * How much of what a group may use it uses; null: no limit.
+ */
+export type Usage = {
+    /**
+     * Max Active Runs
+     */
+    max_active_runs: number | null;
+    /**
+     * Max Bytes
+     */
+    max_bytes: number | null;
+    /**
+     * N Active Runs
+     */
+    n_active_runs: number;
+    /**
+     * Used Bytes
+     */
+    used_bytes: number;
+};
+
+/**
+ * Way
+ *
+ * How one can sign in here.
+ */
+export type Way = 'link' | 'password' | 'oidc';
+
+/**
+ * Welcome
+ *
+ * What an invitation invites to.
+ */
+export type Welcome = {
+    /**
+     * Expires At
+     */
+    expires_at: string;
+    /**
+     * Group Name
+     */
+    group_name: string;
+    /**
+     * Invited By
+     */
+    invited_by: string | null;
+    right: Right;
+};
+
+/**
  * Which
  *
  * Before or after the consistency check of tracking.
  */
 export type Which = 'detected' | 'tracked';
+
+export type AccountGetData = {
+    body?: never;
+    path?: never;
+    query?: never;
+    url: '/api/v1/account';
+};
+
+export type AccountGetErrors = {
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type AccountGetError = AccountGetErrors[keyof AccountGetErrors];
+
+export type AccountGetResponses = {
+    /**
+     * Successful Response
+     */
+    200: Person;
+};
+
+export type AccountGetResponse = AccountGetResponses[keyof AccountGetResponses];
+
+export type AccountUpdateData = {
+    body: ChangeAccount;
+    path?: never;
+    query?: never;
+    url: '/api/v1/account';
+};
+
+export type AccountUpdateErrors = {
+    /**
+     * Bad Request
+     */
+    400: Problem;
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Request Entity Too Large
+     */
+    413: Problem;
+    /**
+     * Unsupported Media Type
+     */
+    415: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type AccountUpdateError = AccountUpdateErrors[keyof AccountUpdateErrors];
+
+export type AccountUpdateResponses = {
+    /**
+     * Successful Response
+     */
+    200: Person;
+};
+
+export type AccountUpdateResponse = AccountUpdateResponses[keyof AccountUpdateResponses];
+
+export type AccountPasswordData = {
+    body: NewPassword;
+    path?: never;
+    query?: never;
+    url: '/api/v1/account/password';
+};
+
+export type AccountPasswordErrors = {
+    /**
+     * Bad Request
+     */
+    400: Problem;
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Request Entity Too Large
+     */
+    413: Problem;
+    /**
+     * Unsupported Media Type
+     */
+    415: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type AccountPasswordError = AccountPasswordErrors[keyof AccountPasswordErrors];
+
+export type AccountPasswordResponses = {
+    /**
+     * Successful Response
+     */
+    204: void;
+};
+
+export type AccountPasswordResponse = AccountPasswordResponses[keyof AccountPasswordResponses];
+
+export type AccountSessionsData = {
+    body?: never;
+    path?: never;
+    query?: never;
+    url: '/api/v1/account/sessions';
+};
+
+export type AccountSessionsErrors = {
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type AccountSessionsError = AccountSessionsErrors[keyof AccountSessionsErrors];
+
+export type AccountSessionsResponses = {
+    /**
+     * Successful Response
+     */
+    200: SignedInBrowsers;
+};
+
+export type AccountSessionsResponse = AccountSessionsResponses[keyof AccountSessionsResponses];
+
+export type AccountEndSessionData = {
+    body?: never;
+    path: {
+        /**
+         * Session Id
+         */
+        session_id: string;
+    };
+    query?: never;
+    url: '/api/v1/account/sessions/{session_id}';
+};
+
+export type AccountEndSessionErrors = {
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type AccountEndSessionError = AccountEndSessionErrors[keyof AccountEndSessionErrors];
+
+export type AccountEndSessionResponses = {
+    /**
+     * Successful Response
+     */
+    204: void;
+};
+
+export type AccountEndSessionResponse = AccountEndSessionResponses[keyof AccountEndSessionResponses];
 
 export type ExperimentsListData = {
     body?: never;
@@ -1337,6 +2254,14 @@ export type ExperimentsListData = {
 
 export type ExperimentsListErrors = {
     /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
      * Not Acceptable
      */
     406: Problem;
@@ -1344,6 +2269,10 @@ export type ExperimentsListErrors = {
      * Unprocessable Entity
      */
     422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
     /**
      * What went wrong, and what to do.
      */
@@ -1382,6 +2311,14 @@ export type ExperimentsCreateErrors = {
      */
     400: Problem;
     /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
      * Not Found
      */
     404: Problem;
@@ -1405,6 +2342,10 @@ export type ExperimentsCreateErrors = {
      * Unprocessable Entity
      */
     422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
     /**
      * What went wrong, and what to do.
      */
@@ -1436,6 +2377,14 @@ export type ExperimentsDeleteData = {
 
 export type ExperimentsDeleteErrors = {
     /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
      * Not Found
      */
     404: Problem;
@@ -1451,6 +2400,10 @@ export type ExperimentsDeleteErrors = {
      * Unprocessable Entity
      */
     422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
     /**
      * What went wrong, and what to do.
      */
@@ -1482,6 +2435,14 @@ export type ExperimentsGetData = {
 
 export type ExperimentsGetErrors = {
     /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
      * Not Found
      */
     404: Problem;
@@ -1493,6 +2454,10 @@ export type ExperimentsGetErrors = {
      * Unprocessable Entity
      */
     422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
     /**
      * What went wrong, and what to do.
      */
@@ -1536,6 +2501,14 @@ export type ExperimentsUpdateErrors = {
      */
     400: Problem;
     /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
      * Not Found
      */
     404: Problem;
@@ -1563,6 +2536,10 @@ export type ExperimentsUpdateErrors = {
      * Unprocessable Entity
      */
     422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
     /**
      * What went wrong, and what to do.
      */
@@ -1594,6 +2571,14 @@ export type ExperimentsEventsData = {
 
 export type ExperimentsEventsErrors = {
     /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
      * Not Found
      */
     404: Problem;
@@ -1605,6 +2590,10 @@ export type ExperimentsEventsErrors = {
      * Unprocessable Entity
      */
     422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
     /**
      * What went wrong, and what to do.
      */
@@ -1663,6 +2652,14 @@ export type FilesListData = {
 
 export type FilesListErrors = {
     /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
      * Not Found
      */
     404: Problem;
@@ -1674,6 +2671,10 @@ export type FilesListErrors = {
      * Unprocessable Entity
      */
     422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
     /**
      * What went wrong, and what to do.
      */
@@ -1716,6 +2717,14 @@ export type FilesUploadData = {
 
 export type FilesUploadErrors = {
     /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
      * Not Found
      */
     404: Problem;
@@ -1739,6 +2748,10 @@ export type FilesUploadErrors = {
      * Unprocessable Entity
      */
     422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
     /**
      * Service Unavailable
      */
@@ -1796,6 +2809,14 @@ export type FramesPictureData = {
 
 export type FramesPictureErrors = {
     /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
      * Not Found
      */
     404: Problem;
@@ -1811,6 +2832,10 @@ export type FramesPictureErrors = {
      * Unprocessable Entity
      */
     422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
     /**
      * What went wrong, and what to do.
      */
@@ -1875,6 +2900,14 @@ export type RunsListData = {
 
 export type RunsListErrors = {
     /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
      * Not Found
      */
     404: Problem;
@@ -1886,6 +2919,10 @@ export type RunsListErrors = {
      * Unprocessable Entity
      */
     422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
     /**
      * What went wrong, and what to do.
      */
@@ -1929,6 +2966,14 @@ export type RunsCreateErrors = {
      */
     400: Problem;
     /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
      * Not Found
      */
     404: Problem;
@@ -1952,6 +2997,10 @@ export type RunsCreateErrors = {
      * Unprocessable Entity
      */
     422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
     /**
      * What went wrong, and what to do.
      */
@@ -1983,6 +3032,14 @@ export type StackDeleteData = {
 
 export type StackDeleteErrors = {
     /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
      * Not Found
      */
     404: Problem;
@@ -1998,6 +3055,10 @@ export type StackDeleteErrors = {
      * Unprocessable Entity
      */
     422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
     /**
      * What went wrong, and what to do.
      */
@@ -2036,6 +3097,14 @@ export type StackCompleteData = {
 
 export type StackCompleteErrors = {
     /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
      * Not Found
      */
     404: Problem;
@@ -2051,6 +3120,10 @@ export type StackCompleteErrors = {
      * Unprocessable Entity
      */
     422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
     /**
      * What went wrong, and what to do.
      */
@@ -2082,6 +3155,14 @@ export type UploadsListData = {
 
 export type UploadsListErrors = {
     /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
      * Not Found
      */
     404: Problem;
@@ -2093,6 +3174,10 @@ export type UploadsListErrors = {
      * Unprocessable Entity
      */
     422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
     /**
      * What went wrong, and what to do.
      */
@@ -2131,6 +3216,14 @@ export type UploadsCreateErrors = {
      */
     400: Problem;
     /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
      * Not Found
      */
     404: Problem;
@@ -2162,6 +3255,10 @@ export type UploadsCreateErrors = {
      * Locked
      */
     423: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
     /**
      * Checksum Mismatch
      */
@@ -2207,6 +3304,14 @@ export type UploadsPlanErrors = {
      */
     400: Problem;
     /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
      * Not Found
      */
     404: Problem;
@@ -2230,6 +3335,10 @@ export type UploadsPlanErrors = {
      * Unprocessable Entity
      */
     422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
     /**
      * Insufficient Storage
      */
@@ -2269,6 +3378,14 @@ export type UploadsTerminateData = {
 
 export type UploadsTerminateErrors = {
     /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
      * Not Found
      */
     404: Problem;
@@ -2280,6 +3397,10 @@ export type UploadsTerminateErrors = {
      * Unprocessable Entity
      */
     422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
     /**
      * What went wrong, and what to do.
      */
@@ -2315,6 +3436,14 @@ export type UploadsGetData = {
 
 export type UploadsGetErrors = {
     /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
      * Not Found
      */
     404: Problem;
@@ -2326,6 +3455,10 @@ export type UploadsGetErrors = {
      * Unprocessable Entity
      */
     422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
     /**
      * What went wrong, and what to do.
      */
@@ -2361,6 +3494,14 @@ export type UploadsOffsetData = {
 
 export type UploadsOffsetErrors = {
     /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
      * Not Found
      */
     404: Problem;
@@ -2372,6 +3513,10 @@ export type UploadsOffsetErrors = {
      * Unprocessable Entity
      */
     422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
     /**
      * What went wrong, and what to do.
      */
@@ -2412,6 +3557,14 @@ export type UploadsSendErrors = {
      */
     400: Problem;
     /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
      * Not Found
      */
     404: Problem;
@@ -2444,6 +3597,10 @@ export type UploadsSendErrors = {
      */
     423: Problem;
     /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
      * Checksum Mismatch
      */
     460: Problem;
@@ -2471,6 +3628,720 @@ export type UploadsSendResponses = {
 };
 
 export type UploadsSendResponse = UploadsSendResponses[keyof UploadsSendResponses];
+
+export type GroupsListData = {
+    body?: never;
+    path?: never;
+    query?: never;
+    url: '/api/v1/groups';
+};
+
+export type GroupsListErrors = {
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type GroupsListError = GroupsListErrors[keyof GroupsListErrors];
+
+export type GroupsListResponses = {
+    /**
+     * Successful Response
+     */
+    200: Groups;
+};
+
+export type GroupsListResponse = GroupsListResponses[keyof GroupsListResponses];
+
+export type GroupsCreateData = {
+    body: NewGroup;
+    path?: never;
+    query?: never;
+    url: '/api/v1/groups';
+};
+
+export type GroupsCreateErrors = {
+    /**
+     * Bad Request
+     */
+    400: Problem;
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Request Entity Too Large
+     */
+    413: Problem;
+    /**
+     * Unsupported Media Type
+     */
+    415: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type GroupsCreateError = GroupsCreateErrors[keyof GroupsCreateErrors];
+
+export type GroupsCreateResponses = {
+    /**
+     * Successful Response
+     */
+    201: OwnGroup;
+};
+
+export type GroupsCreateResponse = GroupsCreateResponses[keyof GroupsCreateResponses];
+
+export type GroupsDeleteData = {
+    body?: never;
+    path: {
+        /**
+         * Group Id
+         */
+        group_id: string;
+    };
+    query?: never;
+    url: '/api/v1/groups/{group_id}';
+};
+
+export type GroupsDeleteErrors = {
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Conflict
+     */
+    409: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type GroupsDeleteError = GroupsDeleteErrors[keyof GroupsDeleteErrors];
+
+export type GroupsDeleteResponses = {
+    /**
+     * Successful Response
+     */
+    204: void;
+};
+
+export type GroupsDeleteResponse = GroupsDeleteResponses[keyof GroupsDeleteResponses];
+
+export type GroupsGetData = {
+    body?: never;
+    path: {
+        /**
+         * Group Id
+         */
+        group_id: string;
+    };
+    query?: never;
+    url: '/api/v1/groups/{group_id}';
+};
+
+export type GroupsGetErrors = {
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type GroupsGetError = GroupsGetErrors[keyof GroupsGetErrors];
+
+export type GroupsGetResponses = {
+    /**
+     * Successful Response
+     */
+    200: OwnGroup;
+};
+
+export type GroupsGetResponse = GroupsGetResponses[keyof GroupsGetResponses];
+
+export type GroupsUpdateData = {
+    body: ChangeGroup;
+    path: {
+        /**
+         * Group Id
+         */
+        group_id: string;
+    };
+    query?: never;
+    url: '/api/v1/groups/{group_id}';
+};
+
+export type GroupsUpdateErrors = {
+    /**
+     * Bad Request
+     */
+    400: Problem;
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Request Entity Too Large
+     */
+    413: Problem;
+    /**
+     * Unsupported Media Type
+     */
+    415: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type GroupsUpdateError = GroupsUpdateErrors[keyof GroupsUpdateErrors];
+
+export type GroupsUpdateResponses = {
+    /**
+     * Successful Response
+     */
+    200: OwnGroup;
+};
+
+export type GroupsUpdateResponse = GroupsUpdateResponses[keyof GroupsUpdateResponses];
+
+export type InvitationsListData = {
+    body?: never;
+    path: {
+        /**
+         * Group Id
+         */
+        group_id: string;
+    };
+    query?: never;
+    url: '/api/v1/groups/{group_id}/invitations';
+};
+
+export type InvitationsListErrors = {
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type InvitationsListError = InvitationsListErrors[keyof InvitationsListErrors];
+
+export type InvitationsListResponses = {
+    /**
+     * Successful Response
+     */
+    200: Invitations;
+};
+
+export type InvitationsListResponse = InvitationsListResponses[keyof InvitationsListResponses];
+
+export type InvitationsCreateData = {
+    body: NewInvitation;
+    path: {
+        /**
+         * Group Id
+         */
+        group_id: string;
+    };
+    query?: never;
+    url: '/api/v1/groups/{group_id}/invitations';
+};
+
+export type InvitationsCreateErrors = {
+    /**
+     * Bad Request
+     */
+    400: Problem;
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Conflict
+     */
+    409: Problem;
+    /**
+     * Request Entity Too Large
+     */
+    413: Problem;
+    /**
+     * Unsupported Media Type
+     */
+    415: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type InvitationsCreateError = InvitationsCreateErrors[keyof InvitationsCreateErrors];
+
+export type InvitationsCreateResponses = {
+    /**
+     * Successful Response
+     */
+    201: MadeInvitation;
+};
+
+export type InvitationsCreateResponse = InvitationsCreateResponses[keyof InvitationsCreateResponses];
+
+export type InvitationsDeleteData = {
+    body?: never;
+    path: {
+        /**
+         * Group Id
+         */
+        group_id: string;
+        /**
+         * Invitation Id
+         */
+        invitation_id: string;
+    };
+    query?: never;
+    url: '/api/v1/groups/{group_id}/invitations/{invitation_id}';
+};
+
+export type InvitationsDeleteErrors = {
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type InvitationsDeleteError = InvitationsDeleteErrors[keyof InvitationsDeleteErrors];
+
+export type InvitationsDeleteResponses = {
+    /**
+     * Successful Response
+     */
+    204: void;
+};
+
+export type InvitationsDeleteResponse = InvitationsDeleteResponses[keyof InvitationsDeleteResponses];
+
+export type GroupsLimitData = {
+    body: Limits;
+    path: {
+        /**
+         * Group Id
+         */
+        group_id: string;
+    };
+    query?: never;
+    url: '/api/v1/groups/{group_id}/limits';
+};
+
+export type GroupsLimitErrors = {
+    /**
+     * Bad Request
+     */
+    400: Problem;
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Request Entity Too Large
+     */
+    413: Problem;
+    /**
+     * Unsupported Media Type
+     */
+    415: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type GroupsLimitError = GroupsLimitErrors[keyof GroupsLimitErrors];
+
+export type GroupsLimitResponses = {
+    /**
+     * Successful Response
+     */
+    200: OwnGroup;
+};
+
+export type GroupsLimitResponse = GroupsLimitResponses[keyof GroupsLimitResponses];
+
+export type MembersListData = {
+    body?: never;
+    path: {
+        /**
+         * Group Id
+         */
+        group_id: string;
+    };
+    query?: never;
+    url: '/api/v1/groups/{group_id}/members';
+};
+
+export type MembersListErrors = {
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type MembersListError = MembersListErrors[keyof MembersListErrors];
+
+export type MembersListResponses = {
+    /**
+     * Successful Response
+     */
+    200: Members;
+};
+
+export type MembersListResponse = MembersListResponses[keyof MembersListResponses];
+
+export type MembersRemoveData = {
+    body?: never;
+    path: {
+        /**
+         * Group Id
+         */
+        group_id: string;
+        /**
+         * Person Id
+         */
+        person_id: string;
+    };
+    query?: never;
+    url: '/api/v1/groups/{group_id}/members/{person_id}';
+};
+
+export type MembersRemoveErrors = {
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Conflict
+     */
+    409: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type MembersRemoveError = MembersRemoveErrors[keyof MembersRemoveErrors];
+
+export type MembersRemoveResponses = {
+    /**
+     * Successful Response
+     */
+    204: void;
+};
+
+export type MembersRemoveResponse = MembersRemoveResponses[keyof MembersRemoveResponses];
+
+export type MembersSetData = {
+    body: ChangeMember;
+    path: {
+        /**
+         * Group Id
+         */
+        group_id: string;
+        /**
+         * Person Id
+         */
+        person_id: string;
+    };
+    query?: never;
+    url: '/api/v1/groups/{group_id}/members/{person_id}';
+};
+
+export type MembersSetErrors = {
+    /**
+     * Bad Request
+     */
+    400: Problem;
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Conflict
+     */
+    409: Problem;
+    /**
+     * Request Entity Too Large
+     */
+    413: Problem;
+    /**
+     * Unsupported Media Type
+     */
+    415: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type MembersSetError = MembersSetErrors[keyof MembersSetErrors];
+
+export type MembersSetResponses = {
+    /**
+     * Successful Response
+     */
+    200: Member;
+};
+
+export type MembersSetResponse = MembersSetResponses[keyof MembersSetResponses];
 
 export type HealthGetData = {
     body?: never;
@@ -2505,6 +4376,124 @@ export type HealthGetResponses = {
 
 export type HealthGetResponse = HealthGetResponses[keyof HealthGetResponses];
 
+export type InvitationsAcceptData = {
+    body: AcceptInvitation;
+    path?: never;
+    query?: never;
+    url: '/api/v1/invitations/accept';
+};
+
+export type InvitationsAcceptErrors = {
+    /**
+     * Bad Request
+     */
+    400: Problem;
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Conflict
+     */
+    409: Problem;
+    /**
+     * Request Entity Too Large
+     */
+    413: Problem;
+    /**
+     * Unsupported Media Type
+     */
+    415: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type InvitationsAcceptError = InvitationsAcceptErrors[keyof InvitationsAcceptErrors];
+
+export type InvitationsAcceptResponses = {
+    /**
+     * Successful Response
+     */
+    200: Session;
+};
+
+export type InvitationsAcceptResponse = InvitationsAcceptResponses[keyof InvitationsAcceptResponses];
+
+export type InvitationsLookData = {
+    body: ShownInvitation;
+    path?: never;
+    query?: never;
+    url: '/api/v1/invitations/look';
+};
+
+export type InvitationsLookErrors = {
+    /**
+     * Bad Request
+     */
+    400: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Request Entity Too Large
+     */
+    413: Problem;
+    /**
+     * Unsupported Media Type
+     */
+    415: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type InvitationsLookError = InvitationsLookErrors[keyof InvitationsLookErrors];
+
+export type InvitationsLookResponses = {
+    /**
+     * Successful Response
+     */
+    200: Welcome;
+};
+
+export type InvitationsLookResponse = InvitationsLookResponses[keyof InvitationsLookResponses];
+
 export type MaterialsListData = {
     body?: never;
     path?: never;
@@ -2514,6 +4503,14 @@ export type MaterialsListData = {
 
 export type MaterialsListErrors = {
     /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
      * Not Acceptable
      */
     406: Problem;
@@ -2521,6 +4518,10 @@ export type MaterialsListErrors = {
      * Unprocessable Entity
      */
     422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
     /**
      * What went wrong, and what to do.
      */
@@ -2557,6 +4558,14 @@ export type MaterialsGetData = {
 
 export type MaterialsGetErrors = {
     /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
      * Not Found
      */
     404: Problem;
@@ -2568,6 +4577,10 @@ export type MaterialsGetErrors = {
      * Unprocessable Entity
      */
     422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
     /**
      * What went wrong, and what to do.
      */
@@ -2599,6 +4612,14 @@ export type MaterialsGetPhaseDiagramData = {
 
 export type MaterialsGetPhaseDiagramErrors = {
     /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
      * Not Found
      */
     404: Problem;
@@ -2610,6 +4631,10 @@ export type MaterialsGetPhaseDiagramErrors = {
      * Unprocessable Entity
      */
     422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
     /**
      * What went wrong, and what to do.
      */
@@ -2668,6 +4693,14 @@ export type RampsGetData = {
 
 export type RampsGetErrors = {
     /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
      * Not Found
      */
     404: Problem;
@@ -2679,6 +4712,10 @@ export type RampsGetErrors = {
      * Unprocessable Entity
      */
     422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
     /**
      * What went wrong, and what to do.
      */
@@ -2737,6 +4774,14 @@ export type RampsDownloadData = {
 
 export type RampsDownloadErrors = {
     /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
      * Not Found
      */
     404: Problem;
@@ -2748,6 +4793,10 @@ export type RampsDownloadErrors = {
      * Unprocessable Entity
      */
     422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
     /**
      * What went wrong, and what to do.
      */
@@ -2777,6 +4826,14 @@ export type MaterialsGetViscosityData = {
 
 export type MaterialsGetViscosityErrors = {
     /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
      * Not Found
      */
     404: Problem;
@@ -2788,6 +4845,10 @@ export type MaterialsGetViscosityErrors = {
      * Unprocessable Entity
      */
     422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
     /**
      * What went wrong, and what to do.
      */
@@ -2804,6 +4865,232 @@ export type MaterialsGetViscosityResponses = {
 };
 
 export type MaterialsGetViscosityResponse = MaterialsGetViscosityResponses[keyof MaterialsGetViscosityResponses];
+
+export type PeopleListData = {
+    body?: never;
+    path?: never;
+    query?: never;
+    url: '/api/v1/people';
+};
+
+export type PeopleListErrors = {
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type PeopleListError = PeopleListErrors[keyof PeopleListErrors];
+
+export type PeopleListResponses = {
+    /**
+     * Successful Response
+     */
+    200: People;
+};
+
+export type PeopleListResponse = PeopleListResponses[keyof PeopleListResponses];
+
+export type PeopleCreateData = {
+    body: NewPerson;
+    path?: never;
+    query?: never;
+    url: '/api/v1/people';
+};
+
+export type PeopleCreateErrors = {
+    /**
+     * Bad Request
+     */
+    400: Problem;
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Conflict
+     */
+    409: Problem;
+    /**
+     * Request Entity Too Large
+     */
+    413: Problem;
+    /**
+     * Unsupported Media Type
+     */
+    415: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type PeopleCreateError = PeopleCreateErrors[keyof PeopleCreateErrors];
+
+export type PeopleCreateResponses = {
+    /**
+     * Successful Response
+     */
+    201: PersonLink;
+};
+
+export type PeopleCreateResponse = PeopleCreateResponses[keyof PeopleCreateResponses];
+
+export type PeopleUpdateData = {
+    body: ChangePerson;
+    path: {
+        /**
+         * Person Id
+         */
+        person_id: string;
+    };
+    query?: never;
+    url: '/api/v1/people/{person_id}';
+};
+
+export type PeopleUpdateErrors = {
+    /**
+     * Bad Request
+     */
+    400: Problem;
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Conflict
+     */
+    409: Problem;
+    /**
+     * Request Entity Too Large
+     */
+    413: Problem;
+    /**
+     * Unsupported Media Type
+     */
+    415: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type PeopleUpdateError = PeopleUpdateErrors[keyof PeopleUpdateErrors];
+
+export type PeopleUpdateResponses = {
+    /**
+     * Successful Response
+     */
+    200: KnownPerson;
+};
+
+export type PeopleUpdateResponse = PeopleUpdateResponses[keyof PeopleUpdateResponses];
+
+export type PeopleLinkData = {
+    body?: never;
+    path: {
+        /**
+         * Person Id
+         */
+        person_id: string;
+    };
+    query?: never;
+    url: '/api/v1/people/{person_id}/link';
+};
+
+export type PeopleLinkErrors = {
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type PeopleLinkError = PeopleLinkErrors[keyof PeopleLinkErrors];
+
+export type PeopleLinkResponses = {
+    /**
+     * Successful Response
+     */
+    201: PersonLink;
+};
+
+export type PeopleLinkResponse = PeopleLinkResponses[keyof PeopleLinkResponses];
 
 export type RunsListAllData = {
     body?: never;
@@ -2849,6 +5136,14 @@ export type RunsListAllData = {
 
 export type RunsListAllErrors = {
     /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
      * Not Acceptable
      */
     406: Problem;
@@ -2856,6 +5151,10 @@ export type RunsListAllErrors = {
      * Unprocessable Entity
      */
     422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
     /**
      * What went wrong, and what to do.
      */
@@ -2887,6 +5186,14 @@ export type RunsDeleteData = {
 
 export type RunsDeleteErrors = {
     /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
      * Not Found
      */
     404: Problem;
@@ -2902,6 +5209,10 @@ export type RunsDeleteErrors = {
      * Unprocessable Entity
      */
     422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
     /**
      * What went wrong, and what to do.
      */
@@ -2933,6 +5244,14 @@ export type RunsGetData = {
 
 export type RunsGetErrors = {
     /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
      * Not Found
      */
     404: Problem;
@@ -2944,6 +5263,10 @@ export type RunsGetErrors = {
      * Unprocessable Entity
      */
     422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
     /**
      * What went wrong, and what to do.
      */
@@ -2975,6 +5298,14 @@ export type RunsCancelData = {
 
 export type RunsCancelErrors = {
     /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
      * Not Found
      */
     404: Problem;
@@ -2990,6 +5321,10 @@ export type RunsCancelErrors = {
      * Unprocessable Entity
      */
     422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
     /**
      * What went wrong, and what to do.
      */
@@ -3021,6 +5356,14 @@ export type RunsEventsData = {
 
 export type RunsEventsErrors = {
     /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
      * Not Found
      */
     404: Problem;
@@ -3032,6 +5375,10 @@ export type RunsEventsErrors = {
      * Unprocessable Entity
      */
     422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
     /**
      * What went wrong, and what to do.
      */
@@ -3061,6 +5408,14 @@ export type FiguresListData = {
 
 export type FiguresListErrors = {
     /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
      * Not Found
      */
     404: Problem;
@@ -3072,6 +5427,10 @@ export type FiguresListErrors = {
      * Unprocessable Entity
      */
     422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
     /**
      * What went wrong, and what to do.
      */
@@ -3147,6 +5506,14 @@ export type FiguresGetData = {
 
 export type FiguresGetErrors = {
     /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
      * Not Found
      */
     404: Problem;
@@ -3162,6 +5529,10 @@ export type FiguresGetErrors = {
      * Unprocessable Entity
      */
     422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
     /**
      * What went wrong, and what to do.
      */
@@ -3237,6 +5608,14 @@ export type FiguresTableData = {
 
 export type FiguresTableErrors = {
     /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
      * Not Found
      */
     404: Problem;
@@ -3248,6 +5627,10 @@ export type FiguresTableErrors = {
      * Unprocessable Entity
      */
     422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
     /**
      * What went wrong, and what to do.
      */
@@ -3277,6 +5660,14 @@ export type ResultFilesListData = {
 
 export type ResultFilesListErrors = {
     /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
      * Not Found
      */
     404: Problem;
@@ -3288,6 +5679,10 @@ export type ResultFilesListErrors = {
      * Unprocessable Entity
      */
     422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
     /**
      * What went wrong, and what to do.
      */
@@ -3323,6 +5718,14 @@ export type ResultFilesDownloadData = {
 
 export type ResultFilesDownloadErrors = {
     /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
      * Not Found
      */
     404: Problem;
@@ -3338,6 +5741,10 @@ export type ResultFilesDownloadErrors = {
      * Unprocessable Entity
      */
     422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
     /**
      * What went wrong, and what to do.
      */
@@ -3390,6 +5797,14 @@ export type FlowMapsGetData = {
 
 export type FlowMapsGetErrors = {
     /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
      * Not Found
      */
     404: Problem;
@@ -3401,6 +5816,10 @@ export type FlowMapsGetErrors = {
      * Unprocessable Entity
      */
     422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
     /**
      * What went wrong, and what to do.
      */
@@ -3438,6 +5857,14 @@ export type DropletsGetData = {
 
 export type DropletsGetErrors = {
     /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
      * Not Found
      */
     404: Problem;
@@ -3449,6 +5876,10 @@ export type DropletsGetErrors = {
      * Unprocessable Entity
      */
     422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
     /**
      * What went wrong, and what to do.
      */
@@ -3484,6 +5915,14 @@ export type FlowGetData = {
 
 export type FlowGetErrors = {
     /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
      * Not Found
      */
     404: Problem;
@@ -3495,6 +5934,10 @@ export type FlowGetErrors = {
      * Unprocessable Entity
      */
     422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
     /**
      * What went wrong, and what to do.
      */
@@ -3537,6 +5980,14 @@ export type TailsGetData = {
 
 export type TailsGetErrors = {
     /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
      * Not Found
      */
     404: Problem;
@@ -3548,6 +5999,10 @@ export type TailsGetErrors = {
      * Unprocessable Entity
      */
     422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
     /**
      * What went wrong, and what to do.
      */
@@ -3598,6 +6053,14 @@ export type QualityGetData = {
 
 export type QualityGetErrors = {
     /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
      * Not Found
      */
     404: Problem;
@@ -3609,6 +6072,10 @@ export type QualityGetErrors = {
      * Unprocessable Entity
      */
     422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
     /**
      * What went wrong, and what to do.
      */
@@ -3648,6 +6115,14 @@ export type RunsRetryData = {
 
 export type RunsRetryErrors = {
     /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
      * Not Found
      */
     404: Problem;
@@ -3663,6 +6138,10 @@ export type RunsRetryErrors = {
      * Unprocessable Entity
      */
     422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
     /**
      * What went wrong, and what to do.
      */
@@ -3698,6 +6177,14 @@ export type TrajectoriesGetData = {
 
 export type TrajectoriesGetErrors = {
     /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
      * Not Found
      */
     404: Problem;
@@ -3709,6 +6196,10 @@ export type TrajectoriesGetErrors = {
      * Unprocessable Entity
      */
     422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
     /**
      * What went wrong, and what to do.
      */
@@ -3791,3 +6282,294 @@ export type SchemasGetParametersResponses = {
 };
 
 export type SchemasGetParametersResponse = SchemasGetParametersResponses[keyof SchemasGetParametersResponses];
+
+export type SessionDeleteData = {
+    body?: never;
+    path?: never;
+    query?: never;
+    url: '/api/v1/session';
+};
+
+export type SessionDeleteErrors = {
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type SessionDeleteError = SessionDeleteErrors[keyof SessionDeleteErrors];
+
+export type SessionDeleteResponses = {
+    /**
+     * Successful Response
+     */
+    204: void;
+};
+
+export type SessionDeleteResponse = SessionDeleteResponses[keyof SessionDeleteResponses];
+
+export type SessionGetData = {
+    body?: never;
+    path?: never;
+    query?: never;
+    url: '/api/v1/session';
+};
+
+export type SessionGetErrors = {
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type SessionGetError = SessionGetErrors[keyof SessionGetErrors];
+
+export type SessionGetResponses = {
+    /**
+     * Successful Response
+     */
+    200: Session;
+};
+
+export type SessionGetResponse = SessionGetResponses[keyof SessionGetResponses];
+
+export type SessionCreateData = {
+    body: SignIn;
+    path?: never;
+    query?: never;
+    url: '/api/v1/session';
+};
+
+export type SessionCreateErrors = {
+    /**
+     * Bad Request
+     */
+    400: Problem;
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Request Entity Too Large
+     */
+    413: Problem;
+    /**
+     * Unsupported Media Type
+     */
+    415: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type SessionCreateError = SessionCreateErrors[keyof SessionCreateErrors];
+
+export type SessionCreateResponses = {
+    /**
+     * Successful Response
+     */
+    201: Session;
+};
+
+export type SessionCreateResponse = SessionCreateResponses[keyof SessionCreateResponses];
+
+export type TokensListData = {
+    body?: never;
+    path?: never;
+    query?: never;
+    url: '/api/v1/tokens';
+};
+
+export type TokensListErrors = {
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type TokensListError = TokensListErrors[keyof TokensListErrors];
+
+export type TokensListResponses = {
+    /**
+     * Successful Response
+     */
+    200: Tokens;
+};
+
+export type TokensListResponse = TokensListResponses[keyof TokensListResponses];
+
+export type TokensCreateData = {
+    body: NewToken;
+    path?: never;
+    query?: never;
+    url: '/api/v1/tokens';
+};
+
+export type TokensCreateErrors = {
+    /**
+     * Bad Request
+     */
+    400: Problem;
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Conflict
+     */
+    409: Problem;
+    /**
+     * Request Entity Too Large
+     */
+    413: Problem;
+    /**
+     * Unsupported Media Type
+     */
+    415: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type TokensCreateError = TokensCreateErrors[keyof TokensCreateErrors];
+
+export type TokensCreateResponses = {
+    /**
+     * Successful Response
+     */
+    201: MadeToken;
+};
+
+export type TokensCreateResponse = TokensCreateResponses[keyof TokensCreateResponses];
+
+export type TokensRevokeData = {
+    body?: never;
+    path: {
+        /**
+         * Token Id
+         */
+        token_id: string;
+    };
+    query?: never;
+    url: '/api/v1/tokens/{token_id}';
+};
+
+export type TokensRevokeErrors = {
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type TokensRevokeError = TokensRevokeErrors[keyof TokensRevokeErrors];
+
+export type TokensRevokeResponses = {
+    /**
+     * Successful Response
+     */
+    204: void;
+};
+
+export type TokensRevokeResponse = TokensRevokeResponses[keyof TokensRevokeResponses];

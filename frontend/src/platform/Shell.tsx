@@ -12,6 +12,8 @@ import {
 import { IconMoon, IconPlus, IconSun } from "@tabler/icons-react";
 import { Link, Outlet, useRouterState } from "@tanstack/react-router";
 import { useEffect, useRef } from "react";
+import { AccountMenu } from "../people/AccountMenu";
+import { Gate } from "../people/Gate";
 import { Logo } from "./Logo";
 
 /** The frame around every page: header, one main landmark, footer. */
@@ -38,13 +40,16 @@ export function Shell() {
                 New experiment
               </Button>
               <SchemeSwitch />
+              <AccountMenu />
             </Group>
           </Group>
         </Container>
       </AppShell.Header>
       <AppShell.Main ref={main} id="main" tabIndex={-1} style={{ outline: "none" }}>
         <Container size={1440} py="lg">
-          <Outlet />
+          <Gate>
+            <Outlet />
+          </Gate>
         </Container>
       </AppShell.Main>
     </AppShell>

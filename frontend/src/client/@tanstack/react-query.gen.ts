@@ -3,8 +3,8 @@
 import { type InfiniteData, infiniteQueryOptions, queryOptions, type UseMutationOptions } from '@tanstack/react-query';
 
 import { client } from '../client.gen';
-import { dropletsGet, experimentsCreate, experimentsDelete, experimentsGet, experimentsList, experimentsUpdate, figuresGet, figuresList, figuresTable, filesList, filesUpload, flowGet, flowMapsGet, framesPicture, healthGet, materialsGet, materialsGetPhaseDiagram, materialsGetViscosity, materialsList, type Options, qualityGet, rampsDownload, rampsGet, resultFilesDownload, resultFilesList, runsCancel, runsCreate, runsDelete, runsGet, runsList, runsListAll, runsRetry, schemasGetExperiment, schemasGetParameters, stackComplete, stackDelete, tailsGet, trajectoriesGet, uploadsCreate, uploadsGet, uploadsList, uploadsPlan, uploadsSend, uploadsTerminate } from '../sdk.gen';
-import type { DropletsGetData, DropletsGetError, DropletsGetResponse, ExperimentsCreateData, ExperimentsCreateError, ExperimentsCreateResponse, ExperimentsDeleteData, ExperimentsDeleteError, ExperimentsDeleteResponse, ExperimentsGetData, ExperimentsGetError, ExperimentsGetResponse, ExperimentsListData, ExperimentsListError, ExperimentsListResponse, ExperimentsUpdateData, ExperimentsUpdateError, ExperimentsUpdateResponse, FiguresGetData, FiguresGetError, FiguresGetResponse, FiguresListData, FiguresListError, FiguresListResponse, FiguresTableData, FiguresTableError, FilesListData, FilesListError, FilesListResponse, FilesUploadData, FilesUploadError, FilesUploadResponse, FlowGetData, FlowGetError, FlowGetResponse, FlowMapsGetData, FlowMapsGetError, FlowMapsGetResponse, FramesPictureData, FramesPictureError, HealthGetData, HealthGetError, HealthGetResponse, MaterialsGetData, MaterialsGetError, MaterialsGetPhaseDiagramData, MaterialsGetPhaseDiagramError, MaterialsGetPhaseDiagramResponse, MaterialsGetResponse, MaterialsGetViscosityData, MaterialsGetViscosityError, MaterialsGetViscosityResponse, MaterialsListData, MaterialsListError, MaterialsListResponse, QualityGetData, QualityGetError, QualityGetResponse, RampsDownloadData, RampsDownloadError, RampsGetData, RampsGetError, RampsGetResponse, ResultFilesDownloadData, ResultFilesDownloadError, ResultFilesDownloadResponse, ResultFilesListData, ResultFilesListError, ResultFilesListResponse, RunsCancelData, RunsCancelError, RunsCancelResponse, RunsCreateData, RunsCreateError, RunsCreateResponse, RunsDeleteData, RunsDeleteError, RunsDeleteResponse, RunsGetData, RunsGetError, RunsGetResponse, RunsListAllData, RunsListAllError, RunsListAllResponse, RunsListData, RunsListError, RunsListResponse, RunsRetryData, RunsRetryError, RunsRetryResponse, SchemasGetExperimentData, SchemasGetExperimentError, SchemasGetExperimentResponse, SchemasGetParametersData, SchemasGetParametersError, SchemasGetParametersResponse, StackCompleteData, StackCompleteError, StackCompleteResponse, StackDeleteData, StackDeleteError, StackDeleteResponse, TailsGetData, TailsGetError, TailsGetResponse, TrajectoriesGetData, TrajectoriesGetError, TrajectoriesGetResponse, UploadsCreateData, UploadsCreateError, UploadsGetData, UploadsGetError, UploadsGetResponse, UploadsListData, UploadsListError, UploadsListResponse, UploadsPlanData, UploadsPlanError, UploadsPlanResponse, UploadsSendData, UploadsSendError, UploadsSendResponse, UploadsTerminateData, UploadsTerminateError, UploadsTerminateResponse } from '../types.gen';
+import { accountEndSession, accountGet, accountPassword, accountSessions, accountUpdate, dropletsGet, experimentsCreate, experimentsDelete, experimentsGet, experimentsList, experimentsUpdate, figuresGet, figuresList, figuresTable, filesList, filesUpload, flowGet, flowMapsGet, framesPicture, groupsCreate, groupsDelete, groupsGet, groupsLimit, groupsList, groupsUpdate, healthGet, invitationsAccept, invitationsCreate, invitationsDelete, invitationsList, invitationsLook, materialsGet, materialsGetPhaseDiagram, materialsGetViscosity, materialsList, membersList, membersRemove, membersSet, type Options, peopleCreate, peopleLink, peopleList, peopleUpdate, qualityGet, rampsDownload, rampsGet, resultFilesDownload, resultFilesList, runsCancel, runsCreate, runsDelete, runsGet, runsList, runsListAll, runsRetry, schemasGetExperiment, schemasGetParameters, sessionCreate, sessionDelete, sessionGet, stackComplete, stackDelete, tailsGet, tokensCreate, tokensList, tokensRevoke, trajectoriesGet, uploadsCreate, uploadsGet, uploadsList, uploadsPlan, uploadsSend, uploadsTerminate } from '../sdk.gen';
+import type { AccountEndSessionData, AccountEndSessionError, AccountEndSessionResponse, AccountGetData, AccountGetError, AccountGetResponse, AccountPasswordData, AccountPasswordError, AccountPasswordResponse, AccountSessionsData, AccountSessionsError, AccountSessionsResponse, AccountUpdateData, AccountUpdateError, AccountUpdateResponse, DropletsGetData, DropletsGetError, DropletsGetResponse, ExperimentsCreateData, ExperimentsCreateError, ExperimentsCreateResponse, ExperimentsDeleteData, ExperimentsDeleteError, ExperimentsDeleteResponse, ExperimentsGetData, ExperimentsGetError, ExperimentsGetResponse, ExperimentsListData, ExperimentsListError, ExperimentsListResponse, ExperimentsUpdateData, ExperimentsUpdateError, ExperimentsUpdateResponse, FiguresGetData, FiguresGetError, FiguresGetResponse, FiguresListData, FiguresListError, FiguresListResponse, FiguresTableData, FiguresTableError, FilesListData, FilesListError, FilesListResponse, FilesUploadData, FilesUploadError, FilesUploadResponse, FlowGetData, FlowGetError, FlowGetResponse, FlowMapsGetData, FlowMapsGetError, FlowMapsGetResponse, FramesPictureData, FramesPictureError, GroupsCreateData, GroupsCreateError, GroupsCreateResponse, GroupsDeleteData, GroupsDeleteError, GroupsDeleteResponse, GroupsGetData, GroupsGetError, GroupsGetResponse, GroupsLimitData, GroupsLimitError, GroupsLimitResponse, GroupsListData, GroupsListError, GroupsListResponse, GroupsUpdateData, GroupsUpdateError, GroupsUpdateResponse, HealthGetData, HealthGetError, HealthGetResponse, InvitationsAcceptData, InvitationsAcceptError, InvitationsAcceptResponse, InvitationsCreateData, InvitationsCreateError, InvitationsCreateResponse, InvitationsDeleteData, InvitationsDeleteError, InvitationsDeleteResponse, InvitationsListData, InvitationsListError, InvitationsListResponse, InvitationsLookData, InvitationsLookError, InvitationsLookResponse, MaterialsGetData, MaterialsGetError, MaterialsGetPhaseDiagramData, MaterialsGetPhaseDiagramError, MaterialsGetPhaseDiagramResponse, MaterialsGetResponse, MaterialsGetViscosityData, MaterialsGetViscosityError, MaterialsGetViscosityResponse, MaterialsListData, MaterialsListError, MaterialsListResponse, MembersListData, MembersListError, MembersListResponse, MembersRemoveData, MembersRemoveError, MembersRemoveResponse, MembersSetData, MembersSetError, MembersSetResponse, PeopleCreateData, PeopleCreateError, PeopleCreateResponse, PeopleLinkData, PeopleLinkError, PeopleLinkResponse, PeopleListData, PeopleListError, PeopleListResponse, PeopleUpdateData, PeopleUpdateError, PeopleUpdateResponse, QualityGetData, QualityGetError, QualityGetResponse, RampsDownloadData, RampsDownloadError, RampsGetData, RampsGetError, RampsGetResponse, ResultFilesDownloadData, ResultFilesDownloadError, ResultFilesDownloadResponse, ResultFilesListData, ResultFilesListError, ResultFilesListResponse, RunsCancelData, RunsCancelError, RunsCancelResponse, RunsCreateData, RunsCreateError, RunsCreateResponse, RunsDeleteData, RunsDeleteError, RunsDeleteResponse, RunsGetData, RunsGetError, RunsGetResponse, RunsListAllData, RunsListAllError, RunsListAllResponse, RunsListData, RunsListError, RunsListResponse, RunsRetryData, RunsRetryError, RunsRetryResponse, SchemasGetExperimentData, SchemasGetExperimentError, SchemasGetExperimentResponse, SchemasGetParametersData, SchemasGetParametersError, SchemasGetParametersResponse, SessionCreateData, SessionCreateError, SessionCreateResponse, SessionDeleteData, SessionDeleteError, SessionDeleteResponse, SessionGetData, SessionGetError, SessionGetResponse, StackCompleteData, StackCompleteError, StackCompleteResponse, StackDeleteData, StackDeleteError, StackDeleteResponse, TailsGetData, TailsGetError, TailsGetResponse, TokensCreateData, TokensCreateError, TokensCreateResponse, TokensListData, TokensListError, TokensListResponse, TokensRevokeData, TokensRevokeError, TokensRevokeResponse, TrajectoriesGetData, TrajectoriesGetError, TrajectoriesGetResponse, UploadsCreateData, UploadsCreateError, UploadsGetData, UploadsGetError, UploadsGetResponse, UploadsListData, UploadsListError, UploadsListResponse, UploadsPlanData, UploadsPlanError, UploadsPlanResponse, UploadsSendData, UploadsSendError, UploadsSendResponse, UploadsTerminateData, UploadsTerminateError, UploadsTerminateResponse } from '../types.gen';
 
 export type QueryKey<TOptions extends Options> = [
     Pick<TOptions, 'baseUrl' | 'body' | 'headers' | 'path' | 'query'> & {
@@ -37,6 +37,103 @@ const createQueryKey = <TOptions extends Options>(id: string, options?: TOptions
         params.query = options.query;
     }
     return [params];
+};
+
+export const accountGetQueryKey = (options?: Options<AccountGetData>) => createQueryKey('accountGet', options);
+
+/**
+ * Account Get
+ *
+ * Look at your account.
+ */
+export const accountGetOptions = (options?: Options<AccountGetData>) => queryOptions<AccountGetResponse, AccountGetError, AccountGetResponse, ReturnType<typeof accountGetQueryKey>>({
+    queryFn: async ({ queryKey, signal }) => {
+        const { data } = await accountGet({
+            ...options,
+            ...queryKey[0],
+            signal,
+            throwOnError: true
+        });
+        return data;
+    },
+    queryKey: accountGetQueryKey(options)
+});
+
+/**
+ * Account Update
+ *
+ * Change your name, or whether you are told by e-mail.
+ */
+export const accountUpdateMutation = (options?: Partial<Options<AccountUpdateData>>): UseMutationOptions<AccountUpdateResponse, AccountUpdateError, Options<AccountUpdateData>> => {
+    const mutationOptions: UseMutationOptions<AccountUpdateResponse, AccountUpdateError, Options<AccountUpdateData>> = {
+        mutationFn: async (fnOptions) => {
+            const { data } = await accountUpdate({
+                ...options,
+                ...fnOptions,
+                throwOnError: true
+            });
+            return data;
+        }
+    };
+    return mutationOptions;
+};
+
+/**
+ * Account Password
+ *
+ * Take another password. Every other browser is signed out.
+ */
+export const accountPasswordMutation = (options?: Partial<Options<AccountPasswordData>>): UseMutationOptions<AccountPasswordResponse, AccountPasswordError, Options<AccountPasswordData>> => {
+    const mutationOptions: UseMutationOptions<AccountPasswordResponse, AccountPasswordError, Options<AccountPasswordData>> = {
+        mutationFn: async (fnOptions) => {
+            const { data } = await accountPassword({
+                ...options,
+                ...fnOptions,
+                throwOnError: true
+            });
+            return data;
+        }
+    };
+    return mutationOptions;
+};
+
+export const accountSessionsQueryKey = (options?: Options<AccountSessionsData>) => createQueryKey('accountSessions', options);
+
+/**
+ * Account Sessions
+ *
+ * List the browsers in which you are signed in.
+ */
+export const accountSessionsOptions = (options?: Options<AccountSessionsData>) => queryOptions<AccountSessionsResponse, AccountSessionsError, AccountSessionsResponse, ReturnType<typeof accountSessionsQueryKey>>({
+    queryFn: async ({ queryKey, signal }) => {
+        const { data } = await accountSessions({
+            ...options,
+            ...queryKey[0],
+            signal,
+            throwOnError: true
+        });
+        return data;
+    },
+    queryKey: accountSessionsQueryKey(options)
+});
+
+/**
+ * Account End Session
+ *
+ * Sign out in one of them.
+ */
+export const accountEndSessionMutation = (options?: Partial<Options<AccountEndSessionData>>): UseMutationOptions<AccountEndSessionResponse, AccountEndSessionError, Options<AccountEndSessionData>> => {
+    const mutationOptions: UseMutationOptions<AccountEndSessionResponse, AccountEndSessionError, Options<AccountEndSessionData>> = {
+        mutationFn: async (fnOptions) => {
+            const { data } = await accountEndSession({
+                ...options,
+                ...fnOptions,
+                throwOnError: true
+            });
+            return data;
+        }
+    };
+    return mutationOptions;
 };
 
 export const experimentsListQueryKey = (options?: Options<ExperimentsListData>) => createQueryKey('experimentsList', options);
@@ -504,6 +601,238 @@ export const uploadsSendMutation = (options?: Partial<Options<UploadsSendData>>)
     return mutationOptions;
 };
 
+export const groupsListQueryKey = (options?: Options<GroupsListData>) => createQueryKey('groupsList', options);
+
+/**
+ * Groups List
+ *
+ * List the groups you are in, with what they use of the disk; administrators see all that people share.
+ */
+export const groupsListOptions = (options?: Options<GroupsListData>) => queryOptions<GroupsListResponse, GroupsListError, GroupsListResponse, ReturnType<typeof groupsListQueryKey>>({
+    queryFn: async ({ queryKey, signal }) => {
+        const { data } = await groupsList({
+            ...options,
+            ...queryKey[0],
+            signal,
+            throwOnError: true
+        });
+        return data;
+    },
+    queryKey: groupsListQueryKey(options)
+});
+
+/**
+ * Groups Create
+ *
+ * Make a group. You manage it.
+ */
+export const groupsCreateMutation = (options?: Partial<Options<GroupsCreateData>>): UseMutationOptions<GroupsCreateResponse, GroupsCreateError, Options<GroupsCreateData>> => {
+    const mutationOptions: UseMutationOptions<GroupsCreateResponse, GroupsCreateError, Options<GroupsCreateData>> = {
+        mutationFn: async (fnOptions) => {
+            const { data } = await groupsCreate({
+                ...options,
+                ...fnOptions,
+                throwOnError: true
+            });
+            return data;
+        }
+    };
+    return mutationOptions;
+};
+
+/**
+ * Groups Delete
+ *
+ * Remove a group to which no experiment belongs.
+ */
+export const groupsDeleteMutation = (options?: Partial<Options<GroupsDeleteData>>): UseMutationOptions<GroupsDeleteResponse, GroupsDeleteError, Options<GroupsDeleteData>> => {
+    const mutationOptions: UseMutationOptions<GroupsDeleteResponse, GroupsDeleteError, Options<GroupsDeleteData>> = {
+        mutationFn: async (fnOptions) => {
+            const { data } = await groupsDelete({
+                ...options,
+                ...fnOptions,
+                throwOnError: true
+            });
+            return data;
+        }
+    };
+    return mutationOptions;
+};
+
+export const groupsGetQueryKey = (options: Options<GroupsGetData>) => createQueryKey('groupsGet', options);
+
+/**
+ * Groups Get
+ *
+ * Look at one group.
+ */
+export const groupsGetOptions = (options: Options<GroupsGetData>) => queryOptions<GroupsGetResponse, GroupsGetError, GroupsGetResponse, ReturnType<typeof groupsGetQueryKey>>({
+    queryFn: async ({ queryKey, signal }) => {
+        const { data } = await groupsGet({
+            ...options,
+            ...queryKey[0],
+            signal,
+            throwOnError: true
+        });
+        return data;
+    },
+    queryKey: groupsGetQueryKey(options)
+});
+
+/**
+ * Groups Update
+ *
+ * Give a group another name.
+ */
+export const groupsUpdateMutation = (options?: Partial<Options<GroupsUpdateData>>): UseMutationOptions<GroupsUpdateResponse, GroupsUpdateError, Options<GroupsUpdateData>> => {
+    const mutationOptions: UseMutationOptions<GroupsUpdateResponse, GroupsUpdateError, Options<GroupsUpdateData>> = {
+        mutationFn: async (fnOptions) => {
+            const { data } = await groupsUpdate({
+                ...options,
+                ...fnOptions,
+                throwOnError: true
+            });
+            return data;
+        }
+    };
+    return mutationOptions;
+};
+
+export const invitationsListQueryKey = (options: Options<InvitationsListData>) => createQueryKey('invitationsList', options);
+
+/**
+ * Invitations List
+ *
+ * List the invitations that nobody accepted yet.
+ */
+export const invitationsListOptions = (options: Options<InvitationsListData>) => queryOptions<InvitationsListResponse, InvitationsListError, InvitationsListResponse, ReturnType<typeof invitationsListQueryKey>>({
+    queryFn: async ({ queryKey, signal }) => {
+        const { data } = await invitationsList({
+            ...options,
+            ...queryKey[0],
+            signal,
+            throwOnError: true
+        });
+        return data;
+    },
+    queryKey: invitationsListQueryKey(options)
+});
+
+/**
+ * Invitations Create
+ *
+ * Invite somebody. The link is shown this once, and lets one person in.
+ */
+export const invitationsCreateMutation = (options?: Partial<Options<InvitationsCreateData>>): UseMutationOptions<InvitationsCreateResponse, InvitationsCreateError, Options<InvitationsCreateData>> => {
+    const mutationOptions: UseMutationOptions<InvitationsCreateResponse, InvitationsCreateError, Options<InvitationsCreateData>> = {
+        mutationFn: async (fnOptions) => {
+            const { data } = await invitationsCreate({
+                ...options,
+                ...fnOptions,
+                throwOnError: true
+            });
+            return data;
+        }
+    };
+    return mutationOptions;
+};
+
+/**
+ * Invitations Delete
+ *
+ * Take an invitation back.
+ */
+export const invitationsDeleteMutation = (options?: Partial<Options<InvitationsDeleteData>>): UseMutationOptions<InvitationsDeleteResponse, InvitationsDeleteError, Options<InvitationsDeleteData>> => {
+    const mutationOptions: UseMutationOptions<InvitationsDeleteResponse, InvitationsDeleteError, Options<InvitationsDeleteData>> = {
+        mutationFn: async (fnOptions) => {
+            const { data } = await invitationsDelete({
+                ...options,
+                ...fnOptions,
+                throwOnError: true
+            });
+            return data;
+        }
+    };
+    return mutationOptions;
+};
+
+/**
+ * Groups Limit
+ *
+ * Say how much of the disk and how many runs at once a group may have; null: what the service's settings say.
+ */
+export const groupsLimitMutation = (options?: Partial<Options<GroupsLimitData>>): UseMutationOptions<GroupsLimitResponse, GroupsLimitError, Options<GroupsLimitData>> => {
+    const mutationOptions: UseMutationOptions<GroupsLimitResponse, GroupsLimitError, Options<GroupsLimitData>> = {
+        mutationFn: async (fnOptions) => {
+            const { data } = await groupsLimit({
+                ...options,
+                ...fnOptions,
+                throwOnError: true
+            });
+            return data;
+        }
+    };
+    return mutationOptions;
+};
+
+export const membersListQueryKey = (options: Options<MembersListData>) => createQueryKey('membersList', options);
+
+/**
+ * Members List
+ *
+ * List who is in a group.
+ */
+export const membersListOptions = (options: Options<MembersListData>) => queryOptions<MembersListResponse, MembersListError, MembersListResponse, ReturnType<typeof membersListQueryKey>>({
+    queryFn: async ({ queryKey, signal }) => {
+        const { data } = await membersList({
+            ...options,
+            ...queryKey[0],
+            signal,
+            throwOnError: true
+        });
+        return data;
+    },
+    queryKey: membersListQueryKey(options)
+});
+
+/**
+ * Members Remove
+ *
+ * Take somebody out of a group you manage, or leave one yourself.
+ */
+export const membersRemoveMutation = (options?: Partial<Options<MembersRemoveData>>): UseMutationOptions<MembersRemoveResponse, MembersRemoveError, Options<MembersRemoveData>> => {
+    const mutationOptions: UseMutationOptions<MembersRemoveResponse, MembersRemoveError, Options<MembersRemoveData>> = {
+        mutationFn: async (fnOptions) => {
+            const { data } = await membersRemove({
+                ...options,
+                ...fnOptions,
+                throwOnError: true
+            });
+            return data;
+        }
+    };
+    return mutationOptions;
+};
+
+/**
+ * Members Set
+ *
+ * Give a member another right. An administrator may add anybody; others invite.
+ */
+export const membersSetMutation = (options?: Partial<Options<MembersSetData>>): UseMutationOptions<MembersSetResponse, MembersSetError, Options<MembersSetData>> => {
+    const mutationOptions: UseMutationOptions<MembersSetResponse, MembersSetError, Options<MembersSetData>> = {
+        mutationFn: async (fnOptions) => {
+            const { data } = await membersSet({
+                ...options,
+                ...fnOptions,
+                throwOnError: true
+            });
+            return data;
+        }
+    };
+    return mutationOptions;
+};
+
 export const healthGetQueryKey = (options?: Options<HealthGetData>) => createQueryKey('healthGet', options);
 
 /**
@@ -523,6 +852,44 @@ export const healthGetOptions = (options?: Options<HealthGetData>) => queryOptio
     },
     queryKey: healthGetQueryKey(options)
 });
+
+/**
+ * Invitations Accept
+ *
+ * Join a group: as who is signed in, else with a new account, in which you are signed in.
+ */
+export const invitationsAcceptMutation = (options?: Partial<Options<InvitationsAcceptData>>): UseMutationOptions<InvitationsAcceptResponse, InvitationsAcceptError, Options<InvitationsAcceptData>> => {
+    const mutationOptions: UseMutationOptions<InvitationsAcceptResponse, InvitationsAcceptError, Options<InvitationsAcceptData>> = {
+        mutationFn: async (fnOptions) => {
+            const { data } = await invitationsAccept({
+                ...options,
+                ...fnOptions,
+                throwOnError: true
+            });
+            return data;
+        }
+    };
+    return mutationOptions;
+};
+
+/**
+ * Invitations Look
+ *
+ * Tell what an invitation invites to. It answers whoever holds it.
+ */
+export const invitationsLookMutation = (options?: Partial<Options<InvitationsLookData>>): UseMutationOptions<InvitationsLookResponse, InvitationsLookError, Options<InvitationsLookData>> => {
+    const mutationOptions: UseMutationOptions<InvitationsLookResponse, InvitationsLookError, Options<InvitationsLookData>> = {
+        mutationFn: async (fnOptions) => {
+            const { data } = await invitationsLook({
+                ...options,
+                ...fnOptions,
+                throwOnError: true
+            });
+            return data;
+        }
+    };
+    return mutationOptions;
+};
 
 export const materialsListQueryKey = (options?: Options<MaterialsListData>) => createQueryKey('materialsList', options);
 
@@ -643,6 +1010,83 @@ export const materialsGetViscosityOptions = (options: Options<MaterialsGetViscos
     },
     queryKey: materialsGetViscosityQueryKey(options)
 });
+
+export const peopleListQueryKey = (options?: Options<PeopleListData>) => createQueryKey('peopleList', options);
+
+/**
+ * People List
+ *
+ * List everybody who has an account. For administrators.
+ */
+export const peopleListOptions = (options?: Options<PeopleListData>) => queryOptions<PeopleListResponse, PeopleListError, PeopleListResponse, ReturnType<typeof peopleListQueryKey>>({
+    queryFn: async ({ queryKey, signal }) => {
+        const { data } = await peopleList({
+            ...options,
+            ...queryKey[0],
+            signal,
+            throwOnError: true
+        });
+        return data;
+    },
+    queryKey: peopleListQueryKey(options)
+});
+
+/**
+ * People Create
+ *
+ * Make an account. The link that is answered signs its person in once, to choose a password. For administrators.
+ */
+export const peopleCreateMutation = (options?: Partial<Options<PeopleCreateData>>): UseMutationOptions<PeopleCreateResponse, PeopleCreateError, Options<PeopleCreateData>> => {
+    const mutationOptions: UseMutationOptions<PeopleCreateResponse, PeopleCreateError, Options<PeopleCreateData>> = {
+        mutationFn: async (fnOptions) => {
+            const { data } = await peopleCreate({
+                ...options,
+                ...fnOptions,
+                throwOnError: true
+            });
+            return data;
+        }
+    };
+    return mutationOptions;
+};
+
+/**
+ * People Update
+ *
+ * Make somebody an administrator, or let them in no more. For administrators.
+ */
+export const peopleUpdateMutation = (options?: Partial<Options<PeopleUpdateData>>): UseMutationOptions<PeopleUpdateResponse, PeopleUpdateError, Options<PeopleUpdateData>> => {
+    const mutationOptions: UseMutationOptions<PeopleUpdateResponse, PeopleUpdateError, Options<PeopleUpdateData>> = {
+        mutationFn: async (fnOptions) => {
+            const { data } = await peopleUpdate({
+                ...options,
+                ...fnOptions,
+                throwOnError: true
+            });
+            return data;
+        }
+    };
+    return mutationOptions;
+};
+
+/**
+ * People Link
+ *
+ * Make a link that signs somebody in once, because they forgot their password. For administrators.
+ */
+export const peopleLinkMutation = (options?: Partial<Options<PeopleLinkData>>): UseMutationOptions<PeopleLinkResponse, PeopleLinkError, Options<PeopleLinkData>> => {
+    const mutationOptions: UseMutationOptions<PeopleLinkResponse, PeopleLinkError, Options<PeopleLinkData>> = {
+        mutationFn: async (fnOptions) => {
+            const { data } = await peopleLink({
+                ...options,
+                ...fnOptions,
+                throwOnError: true
+            });
+            return data;
+        }
+    };
+    return mutationOptions;
+};
 
 export const runsListAllQueryKey = (options?: Options<RunsListAllData>) => createQueryKey('runsListAll', options);
 
@@ -1029,3 +1473,119 @@ export const schemasGetParametersOptions = (options?: Options<SchemasGetParamete
     },
     queryKey: schemasGetParametersQueryKey(options)
 });
+
+/**
+ * Session Delete
+ *
+ * Sign out in this browser.
+ */
+export const sessionDeleteMutation = (options?: Partial<Options<SessionDeleteData>>): UseMutationOptions<SessionDeleteResponse, SessionDeleteError, Options<SessionDeleteData>> => {
+    const mutationOptions: UseMutationOptions<SessionDeleteResponse, SessionDeleteError, Options<SessionDeleteData>> = {
+        mutationFn: async (fnOptions) => {
+            const { data } = await sessionDelete({
+                ...options,
+                ...fnOptions,
+                throwOnError: true
+            });
+            return data;
+        }
+    };
+    return mutationOptions;
+};
+
+export const sessionGetQueryKey = (options?: Options<SessionGetData>) => createQueryKey('sessionGet', options);
+
+/**
+ * Session Get
+ *
+ * Tell who is signed in, and how one can. It answers everybody.
+ */
+export const sessionGetOptions = (options?: Options<SessionGetData>) => queryOptions<SessionGetResponse, SessionGetError, SessionGetResponse, ReturnType<typeof sessionGetQueryKey>>({
+    queryFn: async ({ queryKey, signal }) => {
+        const { data } = await sessionGet({
+            ...options,
+            ...queryKey[0],
+            signal,
+            throwOnError: true
+        });
+        return data;
+    },
+    queryKey: sessionGetQueryKey(options)
+});
+
+/**
+ * Session Create
+ *
+ * Sign in: with e-mail and password, or with a link's secret. The session is an HttpOnly cookie.
+ */
+export const sessionCreateMutation = (options?: Partial<Options<SessionCreateData>>): UseMutationOptions<SessionCreateResponse, SessionCreateError, Options<SessionCreateData>> => {
+    const mutationOptions: UseMutationOptions<SessionCreateResponse, SessionCreateError, Options<SessionCreateData>> = {
+        mutationFn: async (fnOptions) => {
+            const { data } = await sessionCreate({
+                ...options,
+                ...fnOptions,
+                throwOnError: true
+            });
+            return data;
+        }
+    };
+    return mutationOptions;
+};
+
+export const tokensListQueryKey = (options?: Options<TokensListData>) => createQueryKey('tokensList', options);
+
+/**
+ * Tokens List
+ *
+ * List your tokens, with when each was last used.
+ */
+export const tokensListOptions = (options?: Options<TokensListData>) => queryOptions<TokensListResponse, TokensListError, TokensListResponse, ReturnType<typeof tokensListQueryKey>>({
+    queryFn: async ({ queryKey, signal }) => {
+        const { data } = await tokensList({
+            ...options,
+            ...queryKey[0],
+            signal,
+            throwOnError: true
+        });
+        return data;
+    },
+    queryKey: tokensListQueryKey(options)
+});
+
+/**
+ * Tokens Create
+ *
+ * Make a token for a program. Its secret is shown this once: `Authorization: Bearer <secret>`.
+ */
+export const tokensCreateMutation = (options?: Partial<Options<TokensCreateData>>): UseMutationOptions<TokensCreateResponse, TokensCreateError, Options<TokensCreateData>> => {
+    const mutationOptions: UseMutationOptions<TokensCreateResponse, TokensCreateError, Options<TokensCreateData>> = {
+        mutationFn: async (fnOptions) => {
+            const { data } = await tokensCreate({
+                ...options,
+                ...fnOptions,
+                throwOnError: true
+            });
+            return data;
+        }
+    };
+    return mutationOptions;
+};
+
+/**
+ * Tokens Revoke
+ *
+ * Revoke a token at once.
+ */
+export const tokensRevokeMutation = (options?: Partial<Options<TokensRevokeData>>): UseMutationOptions<TokensRevokeResponse, TokensRevokeError, Options<TokensRevokeData>> => {
+    const mutationOptions: UseMutationOptions<TokensRevokeResponse, TokensRevokeError, Options<TokensRevokeData>> = {
+        mutationFn: async (fnOptions) => {
+            const { data } = await tokensRevoke({
+                ...options,
+                ...fnOptions,
+                throwOnError: true
+            });
+            return data;
+        }
+    };
+    return mutationOptions;
+};
