@@ -41,6 +41,7 @@ RESULT_FILES = (
     "droplets.parquet",
     "trajectories.parquet",
     "rejected_trajectories.parquet",
+    "events.parquet",
     "flow.zarr",
     *STATISTICS_FILES,
     SUMMARY_FILE,
@@ -91,8 +92,8 @@ def track_film(
 ) -> None:
     """Track all droplets of the table at `droplets` through the film.
 
-    Writes ``trajectories.parquet``, ``rejected_trajectories.parquet`` and ``flow.zarr`` into `folder`, where it also
-    keeps its checkpoints: called again after a crash, it goes on from the last one.
+    Writes ``trajectories.parquet``, ``rejected_trajectories.parquet``, ``events.parquet`` and ``flow.zarr`` into
+    `folder`, where it also keeps its checkpoints: called again after a crash, it goes on from the last one.
     """
     reader = DropletReader(droplets)
     try:

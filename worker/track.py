@@ -28,7 +28,7 @@ from worker.outcomes import NewProduct, publish
 from worker.plan import Task
 from worker.work_folders import work_folder
 
-TABLES = ("droplets.parquet", "trajectories.parquet", "rejected_trajectories.parquet")
+TABLES = ("droplets.parquet", "trajectories.parquet", "rejected_trajectories.parquet", "events.parquet")
 FLOW = "flow.zarr"
 _PARQUET = "application/vnd.apache.parquet"
 

@@ -168,6 +168,7 @@ RESULT_NAMES = (
     "droplets.parquet",
     "trajectories.parquet",
     "rejected_trajectories.parquet",
+    "events.parquet",
     "flow.zarr.zip",
     "trajectory_summary.parquet",
     "coalescences.parquet",

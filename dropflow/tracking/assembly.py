@@ -1,16 +1,20 @@
 """The tables of a tracked film, sorted, from parts; a range of trajectories in memory at a time."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
+import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
 import pyarrow.parquet as pq
+import zarr
 
 from dropflow.tracking.checkpoint import Spool
+from dropflow.tracking.events import Surroundings, events_of_step
 from dropflow.tracking.film import FRAMES_PER_PART
-from dropflow.tracking.filtering import VERDICTS
+from dropflow.tracking.grid import Column
 from dropflow.tracking.identification import Indices
+from dropflow.tracking.sightings import N_AVERAGED, Sightings
 
 _ROWS_PER_GROUP = 1 << 16
 _NO_ID = 2**63 - 1
@@ -31,6 +35,23 @@ def sorted_trajectories(parts: Spool, ranges: Indices, n_parts: int) -> Iterator
         yield rows.sort_by([("trajectory_id", "ascending"), ("frame", "ascending")])
 
 
+def events(parts: Spool, n_parts: int, flow: Path, times_s: Column, around: Surroundings) -> Iterator[pa.Table]:
+    """Rows of `dropflow.tracking.events.EVENTS`, in the order of frames; three parts are in memory at a time."""
+    if len(times_s) < 2:
+        return
+    velocity_um_s = zarr.open_array(flow / "velocity_um_s", mode="r")
+    for part in range(n_parts):
+        steps = range(part * FRAMES_PER_PART, min((part + 1) * FRAMES_PER_PART, len(times_s) - 1))
+        near = [parts.read(other) for other in (part - 1, part, part + 1) if 0 <= other < n_parts]
+        first, last = steps.start - N_AVERAGED, steps.stop + N_AVERAGED
+        in_reach = (pc.field("frame") >= first) & (pc.field("frame") <= last)
+        rows = pa.concat_tables(near).filter(in_reach)
+        seen = Sightings.from_table(rows.sort_by([("trajectory_id", "ascending"), ("frame", "ascending")]))
+        flows = np.asarray(velocity_um_s[steps.start : steps.stop], np.float64)
+        for frame, flow_um_s in zip(steps, flows, strict=True):
+            yield events_of_step(seen, frame, times_s, flow_um_s, around)
+
+
 def write_table(path: Path, schema: pa.Schema, tables: Iterator[pa.Table], metadata: dict[str, str]) -> None:
     """Write tables as one Parquet file, each as its own row group; the file is there whole or not at all."""
     schema = schema.with_metadata(metadata)
@@ -43,12 +64,12 @@ def write_table(path: Path, schema: pa.Schema, tables: Iterator[pa.Table], metad
     unfinished.replace(path)
 
 
-def rejected_trajectories(parts: Spool, n_parts: int) -> Iterator[pa.Table]:
-    """The rejected trajectories, sorted by id."""
-    waiting = VERDICTS.empty_table()
-    for part in range(n_parts):
-        waiting = pa.concat_tables([waiting, parts.read(part)])
-        if len(waiting) >= _ROWS_PER_GROUP:
-            yield waiting
-            waiting = VERDICTS.empty_table()
-    yield waiting
+def in_groups(tables: Iterable[pa.Table], schema: pa.Schema) -> Iterator[pa.Table]:
+    """Many small tables as few larger ones."""
+    waiting = [schema.empty_table()]
+    for table in tables:
+        waiting.append(table)
+        if sum(map(len, waiting)) >= _ROWS_PER_GROUP:
+            yield pa.concat_tables(waiting)
+            waiting = [schema.empty_table()]
+    yield pa.concat_tables(waiting)

@@ -21,10 +21,11 @@ from dropflow.physics.material import resolve
 from dropflow.physics.over_time import material_over_time
 from dropflow.progress import Progress, silent
 from dropflow.tables import TRAJECTORIES
-from dropflow.tracking.assembly import rejected_trajectories, sorted_trajectories, write_table
+from dropflow.tracking.assembly import events, in_groups, sorted_trajectories, write_table
 from dropflow.tracking.backward_pass import BackwardPass
 from dropflow.tracking.chain import Chain
 from dropflow.tracking.checkpoint import Arrays, Checkpoint, Position
+from dropflow.tracking.events import EVENTS, Surroundings
 from dropflow.tracking.film import FRAMES_PER_PART, Film
 from dropflow.tracking.filtering import VERDICTS, Reason
 from dropflow.tracking.final_pass import FinalPass, Spools
@@ -50,6 +51,8 @@ class TrackingResult:
     """Rows of `dropflow.tables.TRAJECTORIES`, sorted by (trajectory_id, frame)."""
     rejected: Path
     """Rows of `dropflow.tracking.filtering.VERDICTS`, sorted by trajectory_id; ids are shared with trajectories."""
+    events: Path
+    """Rows of `dropflow.tracking.events.EVENTS`, sorted by frame: births, coalescences and exits."""
     flow: Path
     """See `dropflow.tracking.flow_store.FlowStore`."""
     n_trajectories: int
@@ -88,8 +91,9 @@ def track(
     detector : Detector
         Looks for droplets in the image where they are predicted.
     folder : Path
-        Gets ``trajectories.parquet``, ``rejected_trajectories.parquet`` and ``flow.zarr``, and keeps what is needed
-        to go on after the process died: with the same input the results are the same bytes, however often it did.
+        Gets ``trajectories.parquet``, ``rejected_trajectories.parquet``, ``events.parquet`` and ``flow.zarr``, and
+        keeps what is needed to go on after the process died: with the same input the results are the same bytes,
+        however often it did.
     temperature_c : ndarray, float64, shape (n_frames,), optional
         Needed where the material's numbers depend on temperature: droplets are predicted with those of each frame.
     provenance : dict, optional
@@ -139,7 +143,7 @@ def track_film(
     ]
     steps = _Steps(progress, film.n_frames)
     _run(stages, checkpoint, position, steps)
-    _assemble(final, spools, folder, provenance, steps)
+    _assemble(film, chain, final, spools, folder, provenance, steps)
     outcome = final.outcome()
     checkpoint.save(Position(_DONE, 0, outcome))
     spools.remove()
@@ -194,7 +198,15 @@ def _run(stages: list[Stage], checkpoint: Checkpoint, position: Position | None,
             checkpoint.save(Position(stage.name, turn + 1, stage.state()))
 
 
-def _assemble(final: FinalPass, spools: Spools, folder: Path, provenance: dict[str, Any], steps: _Steps) -> None:
+def _assemble(
+    film: Film,
+    chain: Chain,
+    final: FinalPass,
+    spools: Spools,
+    folder: Path,
+    provenance: dict[str, Any],
+    steps: _Steps,
+) -> None:
     """Put the tables together and the flow field in its place. Done twice, it gives the same."""
     about = {"dropflow": json.dumps(provenance)}
     n_rows = int(final.ranges[:, 4].sum())
@@ -207,8 +219,12 @@ def _assemble(final: FinalPass, spools: Spools, folder: Path, provenance: dict[s
             steps.reach_share_of_last(n_written / n_rows)
 
     write_table(folder / "trajectories.parquet", TRAJECTORIES, counted(), about)
-    rejected = rejected_trajectories(spools.rejected, final.n_parts)
-    write_table(folder / "rejected_trajectories.parquet", VERDICTS, rejected, about)
+    rejected = (spools.rejected.read(part) for part in range(final.n_parts))
+    write_table(folder / "rejected_trajectories.parquet", VERDICTS, in_groups(rejected, VERDICTS), about)
+    flow = final.flow_path if final.flow_path.exists() else folder / "flow.zarr"
+    around = Surroundings(chain.grid, chain.motion)
+    happened = events(spools.kept, final.n_parts, flow, film.times_s, around)
+    write_table(folder / "events.parquet", EVENTS, in_groups(happened, EVENTS), about)
     if final.flow_path.exists():
         shutil.rmtree(folder / "flow.zarr", ignore_errors=True)
         final.flow_path.rename(folder / "flow.zarr")
@@ -220,6 +236,7 @@ def _result(folder: Path, outcome: Arrays) -> TrackingResult:
     return TrackingResult(
         trajectories=folder / "trajectories.parquet",
         rejected=folder / "rejected_trajectories.parquet",
+        events=folder / "events.parquet",
         flow=folder / "flow.zarr",
         n_trajectories=int(outcome["n_trajectories"]),
         n_rejected=dict(zip(map(str, Reason), outcome["n_rejected"].tolist(), strict=True)),

@@ -100,6 +100,7 @@ def test_the_list_of_files_tells_their_true_sizes(shared_house: House, run: Json
         "droplets.parquet",
         "trajectories.parquet",
         "rejected_trajectories.parquet",
+        "events.parquet",
         "flow.zarr.zip",
         "summary.json",
         "trajectory_summary.parquet",

@@ -13,6 +13,7 @@ const ABOUT: Record<string, string> = {
   "droplets.parquet": "Every detected droplet: position, radius, match. One row a droplet.",
   "trajectories.parquet": "Droplets on trajectories with their velocities, after tracking.",
   "rejected_trajectories.parquet": "Trajectories that filtering took out, with the reason.",
+  "events.parquet": "Where trajectories begin and end, and why; which two droplets became one.",
   "flow.zarr.zip": "The flow field of every frame, as a Zarr store (unzip it, or read it as it is).",
   "summary.json": "The numbers of this run with its parameters.",
 };

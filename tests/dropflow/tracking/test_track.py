@@ -31,7 +31,7 @@ def method(request: pytest.FixtureRequest) -> str:
 
 def contents(folder: Path) -> dict[str, bytes]:
     """Every byte of the results."""
-    names = ("trajectories.parquet", "rejected_trajectories.parquet")
+    names = ("trajectories.parquet", "rejected_trajectories.parquet", "events.parquet")
     files = [folder / name for name in names] + sorted(p for p in (folder / "flow.zarr").rglob("*") if p.is_file())
     return {str(path.relative_to(folder)): path.read_bytes() for path in files}
 
@@ -258,7 +258,7 @@ def test_parts_on_disk_do_not_outlive_the_work(method: str, tmp_path: Path) -> N
     """Only the results stay, and the state that says it is done."""
     result = tracked(film(flow=vortices(8, 300), n_frames=6), tmp_path, method)
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted(
-        ["trajectories.parquet", "rejected_trajectories.parquet", "flow.zarr", "tracking"]
+        ["trajectories.parquet", "rejected_trajectories.parquet", "events.parquet", "flow.zarr", "tracking"]
     )
     assert [path.name for path in (tmp_path / "tracking").iterdir()] == ["checkpoint.npz"]
     assert result.n_trajectories > 0

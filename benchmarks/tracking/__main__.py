@@ -1,0 +1,163 @@
+"""Tables of tracking: `python -m benchmarks.tracking [TABLE ...] [--frames 20] [--seed 901] [--keep FOLDER]`.
+
+images       whole pipeline from images of 2058 x 2448 px, five scenarios, beside the paper's whole chain
+truth        with the true droplets given (0.15 px and 3 % of the radius off), beside the peers
+sweep        the same for ever longer intervals between frames: spacing over displacement from 4 to 0.3
+flows        broader spectra of the flow, and droplets that drag the fluid along (true droplets)
+convection   exact paths of a direct numerical simulation with Stokes drift, true droplets and images
+material     drho / eta wrong by 30 % either way (true droplets)
+speed        seconds of linking with flow, beside trackpy; growth with the number of droplets; images at 5 megapixels
+
+Seeds and numbers are printed; links are precision / recall; flow is rms error over rms; ISBI numbers have a gate of
+5 px; L1 is the error of the size distribution before and after tracking.
+"""
+
+import argparse
+import contextlib
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import pyarrow.parquet as pq
+
+from benchmarks.tracking import speed
+from benchmarks.tracking.films import SHAPE, convection, simulated, spacing_over_displacement
+from benchmarks.tracking.given import Given, detected_droplets, true_droplets
+from benchmarks.tracking.scores import DEFAULT, HEAD, dropflow_scores, print_all, print_peers, score
+from dropflow.analysis import detect, open_film
+from dropflow.experiment import FixedMaterial, load_experiment
+from dropflow.frames import Choice, open_frames
+from dropflow.parameters import Method, Parameters, TrackingMethod, parse_parameters
+from dropflow.pipeline import track_film
+from dropflow.simulation.scenario import SCENARIOS
+
+TABLES = ("images", "truth", "sweep", "flows", "convection", "material", "speed")
+RBC = Path("../shared/data/proptv_dns_rbc/rbc_tracers_6000x30.npz")
+RATIOS = (4.0, 3.0, 2.0, 1.5, 1.0, 0.7, 0.5, 0.4, 0.3)
+_INTERVAL_AT_ONE_S = 1.25
+"""Interval at which droplets of the scenario `fast` move by about their spacing."""
+
+
+def from_images(film: Path, name: str, scratch: Path, n_frames: int) -> None:
+    """Rows of the whole pipeline with either detector and either tracking, and of the peers on the same droplets."""
+    for detector in Method:
+        table = scratch / f"{film.name}-{detector}.parquet"
+        for tracking in TrackingMethod:
+            knobs = {"detection": {"method": str(detector)}, "tracking": {"method": str(tracking)}}
+            results = scratch / f"{film.name}-{detector}-{tracking}"
+            analysed(film, parse_parameters(knobs), table, results)
+            given = detected_droplets(film, table, n_frames, SHAPE)
+            rows = score(given, pq.read_table(results / "trajectories.parquet"), results / "flow.zarr")
+            print(rows.row(name, f"{detector} droplets, {tracking}"), flush=True)
+        if detector == Parameters().detection.method:
+            print_peers(given, name)
+
+
+def analysed(film: Path, parameters: Parameters, table: Path, results: Path) -> None:
+    """As `dropflow analyse` does; droplets that are there already are not detected again."""
+    experiment = load_experiment(film / "experiment.yaml")
+    opened = open_film(film / "frames", experiment, parameters, beside=film)
+    if not table.exists():
+        detect(opened, table, n_processes=1)
+    with open_frames(opened.source, Choice.of(experiment)) as frames:
+        track_film(frames, opened.index, experiment, parameters, opened.measured, droplets=table, folder=results)
+
+
+def print_images(scratch: Path, seed: int, n_frames: int) -> None:
+    """The five scenarios."""
+    for name in SCENARIOS:
+        from_images(simulated(scratch, name, seed, n_frames, with_images=True), name, scratch, n_frames)
+
+
+def print_truth(scratch: Path, seed: int, n_frames: int) -> None:
+    """The five scenarios with true droplets."""
+    for name in SCENARIOS:
+        film = simulated(scratch, name, seed, n_frames, with_images=False)
+        print_all(true_droplets(film, SHAPE), name, scratch / f"truth-{name}")
+
+
+def print_sweep(scratch: Path, seed: int, n_frames: int) -> None:
+    """The scenario `fast` at ever longer intervals."""
+    for ratio in RATIOS:
+        interval_s = _INTERVAL_AT_ONE_S / ratio
+        film = simulated(scratch, "fast", seed, n_frames, with_images=False, frame_interval_s=interval_s)
+        print_all(
+            true_droplets(film, SHAPE), f"{spacing_over_displacement(film):.2f} ({interval_s:.2f} s)", film / "results"
+        )
+
+
+def print_flows(scratch: Path, seed: int, n_frames: int) -> None:
+    """Other flows than those that the estimator knows best."""
+    cases = ({"kspread": 0.4}, {"kspread": 0.8}, {"wake_strength": 0.5}, {"wake_strength": 1.0})
+    for changes in cases:
+        for name in ("fast", "dense"):
+            film = simulated(scratch, name, seed, n_frames, with_images=False, **changes)
+            ((key, value),) = changes.items()
+            label = f"{name} {key.removesuffix('_strength')} {value:g}"
+            print_all(true_droplets(film, SHAPE), label, film / "results")
+
+
+def print_convection(scratch: Path, _seed: int, _n_frames: int) -> None:
+    """Droplets on the paths of `proptv_dns_rbc`."""
+    if not RBC.exists():
+        print(f"There is no {RBC}: left out.")
+        return
+    print_all(true_droplets(convection(scratch, RBC, with_images=False), SHAPE), "convection, truth", scratch / "c")
+    film = convection(scratch, RBC, with_images=True)
+    from_images(film, "convection, images", scratch, 30)
+
+
+def print_material(scratch: Path, seed: int, n_frames: int) -> None:
+    """Links with a material that is 30 % off."""
+    for name in SCENARIOS:
+        given = true_droplets(simulated(scratch, name, seed, n_frames, with_images=False), SHAPE)
+        for share in (1.0, 0.7, 1.3):
+            assert isinstance(given.experiment.material, FixedMaterial)
+            wrong = given.experiment.material.delta_density_kg_m3 * share
+            material = given.experiment.material.model_copy(update={"delta_density_kg_m3": wrong})
+            experiment = given.experiment.model_copy(update={"material": material})
+            off = Given(given.film, given.droplets, experiment, given.shape)
+            row = dropflow_scores(off, DEFAULT, scratch / f"material-{name}-{share:g}")
+            print(row.row(name, f"dropflow, drho/eta x {share:g}"), flush=True)
+
+
+@contextlib.contextmanager
+def _folder(kept: Path | None) -> Iterator[Path]:
+    if kept is not None:
+        kept.mkdir(parents=True, exist_ok=True)
+        yield kept
+        return
+    with tempfile.TemporaryDirectory() as scratch:
+        yield Path(scratch)
+
+
+def main() -> None:
+    """Print the tables asked for, or all."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("tables", nargs="*", metavar="TABLE", help=f"some of {', '.join(TABLES)}")
+    parser.add_argument("--frames", type=int, default=20)
+    parser.add_argument("--seed", type=int, default=901)
+    parser.add_argument("--keep", type=Path, help="keep films and results here")
+    arguments = parser.parse_args()
+    if unknown := set(arguments.tables) - set(TABLES):
+        parser.error(f"there is no table {', '.join(sorted(unknown))}; there are {', '.join(TABLES)}")
+    prints = {
+        "images": print_images,
+        "truth": print_truth,
+        "sweep": print_sweep,
+        "flows": print_flows,
+        "convection": print_convection,
+        "material": print_material,
+    }
+    with _folder(arguments.keep) as scratch:
+        for table in arguments.tables or TABLES:
+            print(f"\n== {table} (seed {arguments.seed}, {arguments.frames} frames)\n")
+            if table == "speed":
+                speed.print_table(scratch)
+                continue
+            print(HEAD, flush=True)
+            prints[table](scratch, arguments.seed, arguments.frames)
+
+
+if __name__ == "__main__":
+    main()

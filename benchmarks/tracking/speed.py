@@ -1,0 +1,90 @@
+"""Seconds of linking with flow beside trackpy's linking alone, on the same droplets in one run."""
+
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+import trackpy
+
+from benchmarks.tracking import peers
+from benchmarks.tracking.films import SHAPE, simulated
+from benchmarks.tracking.given import Given, true_droplets
+from benchmarks.tracking.scores import DEFAULT, PAPER
+from dropflow.droplets import Droplets
+from dropflow.experiment import Experiment, parse_experiment
+from dropflow.parameters import Parameters
+from dropflow.progress import silent
+from dropflow.tracking.film import Film
+from dropflow.tracking.track import track_film
+
+N_FRAMES, FIRST_FRAMES = 1000, 5
+SIZES = (500, 2000, 8000, 20_000)
+"""Droplets a frame; the frame grows with them."""
+
+
+def seconds(given: Given, parameters: Parameters) -> float:
+    """CPU seconds of tracking with flow, without images."""
+    film = Film(given.times_s, lambda frame: given.droplets[frame], None, None)
+    start = time.process_time()
+    with tempfile.TemporaryDirectory() as folder:
+        track_film(film, given.shape, given.experiment, parameters, Path(folder), {}, silent)
+    return time.process_time() - start
+
+
+def seconds_of_trackpy(given: Given) -> float:
+    """CPU seconds of `trackpy.link` with a search range of half a spacing."""
+    trackpy.quiet()
+    droplets = peers.points(given)
+    start = time.process_time()
+    trackpy.link(droplets, 0.5 * given.spacing_px)
+    return time.process_time() - start
+
+
+def first(given: Given, n_frames: int) -> Given:
+    """The beginning of a film."""
+    return Given(given.film, given.droplets[:n_frames], given.experiment, given.shape)
+
+
+def many(n: int, n_frames: int) -> Given:
+    """`n` droplets a frame that turn and sediment, with the spacing of the scenario `fast`, moving by half of it."""
+    rng = np.random.default_rng(n)
+    side = int(100 * np.sqrt(n))
+    x, y = rng.uniform(0, side, (2, n))
+    r = np.clip(np.exp(rng.normal(np.log(10), 0.4, n)), 4, 50)
+    droplets, sure = [], np.ones(n)
+    for _ in range(n_frames):
+        droplets.append(Droplets(x, y, r * np.exp(rng.normal(0, 0.03, n)), 0.15 * sure, 0.03 * r, sure, sure))
+        x = np.mod(x + 40 * np.sin(2 * np.pi * y / side), side)
+        y = np.mod(y - 0.05 * r**2 + 30 * np.cos(2 * np.pi * x / side), side)
+    return Given(Path(), droplets, _still_water(), (side, side))
+
+
+def _still_water() -> Experiment:
+    material = {"delta_density_kg_m3": -36.6, "viscosity_pa_s": 1e-3}
+    return parse_experiment(
+        {"name": "many", "pixel_size_um": 0.625, "frame_interval_s": 1.0, "droplets": "bright", "material": material}
+    )
+
+
+def print_table(scratch: Path) -> None:
+    """All three questions."""
+    given = true_droplets(simulated(scratch, "fast", 5, N_FRAMES, with_images=False), SHAPE)
+    for warm in (lambda: seconds(first(given, FIRST_FRAMES), DEFAULT), lambda: seconds_of_trackpy(first(given, 5))):
+        warm()
+    per_frame = np.mean([len(some) for some in given.droplets])
+    reference = seconds_of_trackpy(given)
+    print(f"{N_FRAMES} frames x {per_frame:.0f} droplets, CPU s")
+    print(f"  trackpy.link                      {reference:8.1f}")
+    for label, parameters in (("dropflow, links and flow", DEFAULT), ("paper's mode, links and flow", PAPER)):
+        spent = seconds(given, parameters)
+        print(f"  {label:<32}  {spent:8.1f}   {spent / reference:.2f} x trackpy", flush=True)
+    print("\nGrowth with the number of droplets, 4 frames, CPU s")
+    for n in SIZES:
+        some = many(n, 4)
+        spent = seconds(some, DEFAULT)
+        print(f"  {n:>6} droplets: dropflow {spent:6.2f} ({1e6 * spent / (3 * n):.0f} us a droplet and step), ", end="")
+        try:
+            print(f"trackpy {seconds_of_trackpy(some):6.2f}", flush=True)
+        except trackpy.linking.utils.SubnetOversizeException:
+            print("trackpy SubnetOversize", flush=True)

@@ -1,0 +1,102 @@
+"""The droplets of kept trajectories over a few frames, as columns: what happens at their ends is read from them."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+import pyarrow as pa
+from scipy.spatial import cKDTree
+
+from dropflow.tracking.grid import Column
+from dropflow.tracking.identification import Indices
+
+N_AVERAGED = 3
+"""Frames over which a radius is averaged at the end or the beginning of a trajectory."""
+_RADIUS_MODEL_STD = 0.02
+"""Relative standard deviation of a radius that no averaging removes."""
+
+
+@dataclass(frozen=True)
+class Sightings:
+    """Rows sorted by (trajectory_id, frame), a row for each frame from the first to the last of a trajectory."""
+
+    trajectory_id: Indices
+    frame: Indices
+    x_px: Column
+    y_px: Column
+    r_px: Column
+    r_std_px: Column
+    u_um_s: Column
+    v_um_s: Column
+
+    @staticmethod
+    def from_table(rows: pa.Table) -> "Sightings":
+        """From rows of `dropflow.tables.TRAJECTORIES`, sorted."""
+        return Sightings(
+            *(rows[name].to_numpy().astype(np.int64) for name in ("trajectory_id", "frame")),
+            *(rows[name].to_numpy() for name in ("x_px", "y_px", "r_px", "r_std_px", "u_um_s", "v_um_s")),
+        )
+
+    @cached_property
+    def is_first(self) -> npt.NDArray[np.bool_]:
+        """Rows that are the first of their trajectory."""
+        return np.append(True, np.diff(self.trajectory_id) != 0)[: len(self.frame)]
+
+    @cached_property
+    def is_last(self) -> npt.NDArray[np.bool_]:
+        """Rows that are the last of their trajectory."""
+        return np.append(np.diff(self.trajectory_id) != 0, True)[: len(self.frame)]
+
+    @cached_property
+    def _by_frame(self) -> tuple[Indices, Indices]:
+        order = np.argsort(self.frame, kind="stable")
+        return order, self.frame[order]
+
+    def rows_of(self, frame: int) -> Indices:
+        """Rows of one frame."""
+        order, frames = self._by_frame
+        start, stop = np.searchsorted(frames, [frame, frame + 1])
+        return order[start:stop]
+
+    @cached_property
+    def radius_until(self) -> tuple[Column, Column]:
+        """Mean radius up to each row, and its standard deviation."""
+        return self._radius(-1)
+
+    @cached_property
+    def radius_from(self) -> tuple[Column, Column]:
+        """Mean radius from each row on, and its standard deviation."""
+        return self._radius(1)
+
+    def _radius(self, direction: int) -> tuple[Column, Column]:
+        n = len(self.frame)
+        total, squares, count = np.zeros((3, n))
+        for away in range(N_AVERAGED):
+            other = np.arange(n) + direction * away
+            is_there = (other >= 0) & (other < n)
+            other = np.clip(other, 0, max(n - 1, 0))
+            is_there &= self.trajectory_id[other] == self.trajectory_id
+            total += np.where(is_there, self.r_px[other], 0.0)
+            squares += np.where(is_there, self.r_std_px[other] ** 2, 0.0)
+            count += is_there
+        mean = total / np.maximum(count, 1)
+        return mean, np.sqrt(squares / np.maximum(count, 1) ** 2 + (_RADIUS_MODEL_STD * mean) ** 2)
+
+    def covers(self, rows: Indices, x_px: Column, y_px: Column, r_px: Column) -> npt.NDArray[np.bool_]:
+        """Whether the centre of each given droplet lies in a larger one of `rows`."""
+        is_covered = np.zeros(len(x_px), bool)
+        if len(rows) and len(x_px):
+            tree = cKDTree(np.column_stack([self.x_px[rows], self.y_px[rows]]))
+            which, other = near_pairs(tree, np.column_stack([x_px, y_px]), float(self.r_px[rows].max()))
+            over = rows[other]
+            apart = np.hypot(self.x_px[over] - x_px[which], self.y_px[over] - y_px[which])
+            is_covered[which[(apart < self.r_px[over]) & (self.r_px[over] > r_px[which])]] = True
+        return is_covered
+
+
+def near_pairs(tree: cKDTree, places: Column, reach_px: float | Column) -> tuple[Indices, Indices]:
+    """Indices of places, shape (n, 2), and of the points of a tree that lie within reach of them."""
+    near = tree.query_ball_point(places, reach_px)
+    which = np.repeat(np.arange(len(places)), [len(some) for some in near])
+    return which, np.concatenate([np.asarray(some, np.int64) for some in [[], *near]])
