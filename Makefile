@@ -25,7 +25,7 @@ export PORT DATA PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .SILENT:
 .DELETE_ON_ERROR:
-.PHONY: help setup python page browser run sign-in test test-full test-page lint types bench bench-detection docs lock clean
+.PHONY: help setup python page browser run sign-in test test-full test-page lint types bench bench-detection bench-tracking docs lock clean
 
 help: ## say what can be made
 	sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 20
@@ -63,6 +63,9 @@ bench: python ## speed, memory and accuracy
 
 bench-detection: python ## accuracy and speed of detection beside its peers: IMAGES=folder of real images
 	$(ONE_THREAD) $(BIN)/python -m benchmarks.detection $(if $(IMAGES),--data $(IMAGES))
+
+bench-tracking: python ## accuracy and speed of tracking beside trackpy, laptrack and the paper's mode
+	$(ONE_THREAD) $(BIN)/python -m benchmarks.tracking
 
 docs: python ## the documentation, into site/
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet

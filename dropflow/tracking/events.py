@@ -74,10 +74,11 @@ class Surroundings:
 
     def step_px(self, seen: Sightings, rows: Indices, flow_um_s: npt.NDArray[np.float64], dt_s: float) -> Column:
         """How far droplets should move in a step, shape (2, n); with their own velocity where the flow is unknown."""
-        own = np.nan_to_num(np.stack([seen.u_um_s[rows], seen.v_um_s[rows]])) * (dt_s / self.motion.pixel_size_um)
+        own = np.nan_to_num(np.stack([seen.u_um_s[rows], seen.v_um_s[rows]]))
         carried = bilinear(self.grid, flow_um_s, seen.x_px[rows], seen.y_px[rows])
-        carried = carried * (dt_s / self.motion.pixel_size_um) + self.motion.sinking_px(seen.r_px[rows], dt_s)
-        return np.where(np.isfinite(carried), carried, own)
+        carried += np.outer(self.motion.up, seen.sedimentation_um_s[rows])
+        velocity_um_s = np.where(np.isfinite(carried), carried, own)
+        return np.asarray(velocity_um_s * (dt_s / self.motion.pixel_size_um))
 
     def is_cut(self, x_px: Column, y_px: Column, r_px: Column) -> npt.NDArray[np.bool_]:
         """Whether the border of the frame takes a good part of a droplet here."""

@@ -29,13 +29,17 @@ class Sightings:
     r_std_px: Column
     u_um_s: Column
     v_um_s: Column
+    sedimentation_um_s: Column
 
     @staticmethod
     def from_table(rows: pa.Table) -> "Sightings":
         """From rows of `dropflow.tables.TRAJECTORIES`, sorted."""
         return Sightings(
             *(rows[name].to_numpy().astype(np.int64) for name in ("trajectory_id", "frame")),
-            *(rows[name].to_numpy() for name in ("x_px", "y_px", "r_px", "r_std_px", "u_um_s", "v_um_s")),
+            *(
+                rows[name].to_numpy()
+                for name in ("x_px", "y_px", "r_px", "r_std_px", "u_um_s", "v_um_s", "sedimentation_um_s")
+            ),
         )
 
     @cached_property
