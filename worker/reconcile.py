@@ -10,6 +10,7 @@ from datetime import timedelta
 from uuid import UUID
 
 import structlog
+from obstore.exceptions import BaseError
 from redis.exceptions import RedisError
 from sqlalchemy import ColumnElement, and_, func, or_, select, text, update
 from sqlalchemy.exc import SQLAlchemyError
@@ -28,6 +29,7 @@ from worker.context import Context, make_context
 from worker.failures import reject_stack, worker_lost
 from worker.leases import MAX_ATTEMPTS, LeaseLost, is_expired, release
 from worker.outcomes import lock_experiment, lock_run
+from worker.storage import Sweeper, expire_uploads
 
 _MOST_AT_ONCE = 500
 log = structlog.get_logger()
@@ -38,7 +40,7 @@ def reconcile(context: Context) -> None:
     with context.sessions.begin() as lock:
         if not lock.scalar(text("SELECT pg_try_advisory_xact_lock(hashtext('dropflow.reconcile'))")):
             return
-        for part in (expire_leases, send_again, remove_doomed):
+        for part in (expire_leases, send_again, expire_uploads, remove_doomed):
             try:
                 part(context)
             except (SQLAlchemyError, RedisError, OSError) as problem:
@@ -154,11 +156,13 @@ def main() -> None:
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, lambda *_: stopping.set())
     context = make_context(settings)
+    sweeper = Sweeper()
     while not stopping.is_set():
         try:
             reconcile(context)
-        except SQLAlchemyError as problem:
-            log.warning("database away", reason=str(problem).splitlines()[0])
+            sweeper(context)
+        except (SQLAlchemyError, OSError, BaseError) as problem:
+            log.warning("database or store away", reason=str(problem).splitlines()[0])
         stopping.wait(settings.reconcile_every_s)
     context.close()
 

@@ -5,6 +5,7 @@ import os
 import shutil
 from collections.abc import AsyncIterator, Iterator
 from contextlib import suppress
+from datetime import datetime
 from functools import partial
 from pathlib import Path
 from typing import Any, BinaryIO, cast
@@ -147,6 +148,19 @@ class ObjectStore:
         """Keys below `prefix` with their sizes, sorted."""
         found = [(meta["path"], meta["size"]) for page in obstore.list(self.store, prefix) for meta in page]
         return sorted(found)
+
+    def older_than(self, prefix: str, moment: datetime) -> Iterator[str]:
+        """Keys below `prefix` that were last written before `moment`."""
+        for page in obstore.list(self.store, prefix):
+            for meta in page:
+                if meta["last_modified"] < moment:
+                    yield meta["path"]
+
+    def remove_leftovers(self, moment: datetime) -> None:
+        """Remove what writes that broke off before `moment` left beside the objects; only folders have that."""
+        for path in self._root.rglob("*#*") if self._root is not None else ():
+            if path.is_file() and path.stat().st_mtime < moment.timestamp():
+                path.unlink(missing_ok=True)
 
     def zarr_store(self, prefix: str) -> zarr.storage.ObjectStore[Any]:
         """The objects below `prefix` as an array store to read from."""

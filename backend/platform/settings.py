@@ -66,6 +66,9 @@ class Settings(BaseSettings):
     upload_expires_s: Annotated[float, Field(ge=60)] = 7 * 86_400.0
     """How long an upload that broke off can be continued after its last byte."""
 
+    orphan_grace_s: Annotated[float, Field(ge=0)] = 86_400.0
+    """How old an object that no row speaks of must be before it is removed."""
+
     lease_s: Annotated[float, Field(ge=1, le=3600)] = 60.0
     """How long a worker may be silent before its work goes to another."""
     longest_step_s: Annotated[float, Field(ge=1, le=86400)] = 1800.0
