@@ -13,9 +13,10 @@ from sqlalchemy import func, select, update
 from sqlalchemy.orm import Session
 
 from backend.models import Experiment, FrameSummary, Product, Run, Shard, Stack
-from backend.models.lifecycle import settle_cancel
+from backend.models.lifecycle import doom, settle_cancel
 from backend.models.states import SHARD_RULES, rule
 from backend.platform.events import announce, experiment_topic, run_topic
+from backend.platform.object_store import product_prefix
 from worker.context import Context
 from worker.fan_in import NewShard, advance, insert_shards, start_stage
 from worker.leases import Claim, LeaseLost, held, release
@@ -82,6 +83,7 @@ def let_go(context: Context, claim: Claim) -> None:
     """The run was cancelled: the shard is, too, and the last one to let go ends the run."""
     assert claim.run_id is not None  # noqa: S101 - only runs are cancelled
     with context.sessions.begin() as session:
+        lock_experiment(session, claim.experiment_id)
         run = lock_run(session, claim.run_id)
         end_shard(session, claim, "cancel")
         settle_cancel(session, run)
@@ -126,6 +128,8 @@ def end_shard(session: Session, claim: Claim, event: str, **values: Any) -> None
     )
     if ended.one_or_none() is None:
         raise LeaseLost
+    # Those who held it before may have been killed while they wrote.
+    doom(session, [product_prefix(claim.experiment_id, claim.shard_id, fence) for fence in range(1, claim.fence)])
 
 
 def lock_run(session: Session, run_id: UUID) -> Run:

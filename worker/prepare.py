@@ -3,6 +3,9 @@
 import io
 from contextlib import ExitStack
 
+from sqlalchemy import update
+
+from backend.models import Run
 from backend.platform.object_store import product_prefix
 from backend.platform.store_files import StoreFiles
 from dropflow import pipeline
@@ -13,7 +16,7 @@ from dropflow.preprocess import StackEstimate
 from worker.context import Context
 from worker.fan_in import NewShard
 from worker.film import ESTIMATE_FILE, INDEX_FILE, Film, load_film, made_ranges
-from worker.keys import detection_key, range_key
+from worker.keys import detection_key, range_key, source_digest
 from worker.leases import Lease
 from worker.outcomes import NewProduct, publish
 from worker.plan import Task, detect_ranges
@@ -33,6 +36,7 @@ def work(context: Context, lease: Lease) -> None:
     context.store.put(prefix + ESTIMATE_FILE, _packed(measured))
     detection = detection_key(index, film.experiment, film.parameters)
     with context.sessions.begin() as session:
+        session.execute(update(Run).where(Run.id == film.run_id).values(source_digest=source_digest()))
         seconds = known_seconds_per_megapixel(session, film.parameters) * index.n_rows * index.n_columns / 1e6
         done = made_ranges(session, claim.experiment_id, detection)
     shards = [

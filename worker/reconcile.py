@@ -58,6 +58,7 @@ def expire_leases(context: Context) -> None:
                 if run_id is None:
                     _expire_ingest(session, shard_id, experiment_id)
                 else:
+                    lock_experiment(session, experiment_id)
                     _expire_shard(session, shard_id, lock_run(session, run_id))
                 tally(session, "lease_expiries")
         except LeaseLost:

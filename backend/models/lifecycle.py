@@ -3,13 +3,13 @@
 from collections.abc import Iterable
 from uuid import UUID
 
-from sqlalchemy import ColumnElement, delete, func, select, update
+from sqlalchemy import ColumnElement, delete, exists, func, select, update
 from sqlalchemy.dialects.postgresql import insert
 from sqlalchemy.orm import Session
 
 from backend.models.base import Json
 from backend.models.experiments import File
-from backend.models.runs import DoomedObject, Run, Shard, Stage
+from backend.models.runs import DoomedObject, Product, Run, Shard, Stage
 from backend.models.states import (
     OPEN_SHARD_STATES,
     RUN_RULES,
@@ -64,14 +64,31 @@ def request_cancel(session: Session, run: Run) -> None:
 
 
 def settle_cancel(session: Session, run: Run) -> bool:
-    """Cancel a run for which that was asked, once nobody works on it any more."""
+    """Cancel a run for which that was asked, once nobody works on it any more. The caller locks the experiment, too."""
     if run.cancel_requested_at is None or run.state not in (RunState.QUEUED, RunState.RUNNING):
         return False
     is_open = select(Shard.id).where(Shard.run_id == run.id, Shard.state.in_(OPEN_SHARD_STATES)).limit(1)
     if session.scalar(is_open) is not None:
         return False
     end_run(session, run, "cancel")
+    free_space(session, run)
     return True
+
+
+def free_space(session: Session, run: Run) -> None:
+    """Remove what a run has made, unless another run shares it. The caller locks the experiment."""
+    own = select(Shard.product_id).where(Shard.run_id == run.id)
+    elsewhere = exists().where(Shard.product_id == Product.id, Shard.run_id != run.id)
+    products = session.scalars(select(Product).where(Product.id.in_(own), ~elsewhere)).all()
+    session.execute(
+        update(Shard)
+        .where(Shard.run_id == run.id, Shard.product_id.in_([product.id for product in products]))
+        .values(product_id=None)
+        .execution_options(synchronize_session=False)
+    )
+    doom(session, [product.prefix for product in products])
+    for product in products:
+        session.delete(product)
 
 
 def doom(session: Session, keys: Iterable[str]) -> None:

@@ -17,7 +17,7 @@ from backend.platform.live import Changes, follow
 from backend.platform.problems import InvalidRequest, responses
 from backend.runs import service
 from backend.runs.errors import NoSuchRun, RunActive, RunFinished, RunNotFailed
-from backend.runs.schemas import NewRun, Run, RunQuery, Runs
+from backend.runs.schemas import NewRun, Reuse, Run, RunQuery, Runs
 from backend.stacks.errors import StackNotReady
 
 router = APIRouter(tags=["runs"])
@@ -64,13 +64,19 @@ def runs_get(session: SessionDependency, viewer: ViewerDependency, run_id: UUID)
     return service.shown(session, service.get(session, viewer, run_id))
 
 
+@router.get("/runs/{run_id}/reuse", responses=responses(NoSuchRun, InvalidRequest))
+def runs_get_reuse(session: SessionDependency, viewer: ViewerDependency, run_id: UUID) -> Reuse:
+    """Look at what a run took over from earlier ones, and why the rest was done anew."""
+    return service.reuse(session, viewer, run_id)
+
+
 @router.post(
     "/runs/{run_id}/cancel",
     status_code=HTTPStatus.ACCEPTED,
     responses=responses(NoSuchRun, RunFinished, InvalidRequest),
 )
 def runs_cancel(session: SessionDependency, viewer: EditorDependency, run_id: UUID) -> Run:
-    """Stop a run. It is `cancelled` as soon as nobody works on it any more."""
+    """Stop a run. It is `cancelled`, and what it made removed, as soon as nobody works on it any more."""
     return service.shown(session, service.cancel(session, viewer, run_id))
 
 

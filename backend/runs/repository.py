@@ -10,7 +10,7 @@ from sqlalchemy.dialects.postgresql import distinct_on
 from sqlalchemy.orm import Session
 
 from backend.models import Product, Run, Shard
-from backend.models.states import ShardState
+from backend.models.states import RunState, ShardState
 from backend.platform.pages import Order, page_of
 from backend.platform.visibility import Viewer, visible_runs
 from backend.runs.schemas import RunQuery
@@ -129,6 +129,23 @@ def _done(
     mean_s = seconds / n_timed
     std_s = max(squares / n_timed - mean_s**2, 0.0) ** 0.5
     return Done(int(frames), int(reused), n_busy, int(n_samples), float(n_timed), mean_s, std_s)
+
+
+def before(session: Session, viewer: Viewer, run: Run) -> Run | None:
+    """The run of the same experiment before this one, of those that were not cancelled."""
+    earlier = (Run.experiment_id == run.experiment_id, Run.number < run.number, Run.state != RunState.CANCELLED)
+    return session.scalar(visible_runs(viewer).where(*earlier).order_by(Run.number.desc()).limit(1))
+
+
+def stages_made(session: Session, run_id: UUID) -> set[str]:
+    """The tasks of a run all of whose products are there."""
+    query = (
+        select(Shard.task)
+        .where(Shard.run_id == run_id)
+        .group_by(Shard.task)
+        .having(func.bool_and(Shard.product_id.is_not(None)))
+    )
+    return set(session.scalars(query))
 
 
 def products_of_only(session: Session, run_id: UUID) -> Sequence[Product]:

@@ -58,6 +58,44 @@ class Run(BaseModel):
     warnings: list[str]
 
 
+class Cause(StrEnum):
+    """What kind of input differs."""
+
+    PARAMETER = "parameter"
+    EXPERIMENT = "experiment"
+    FRAMES = "frames"
+    CODE = "code"
+    NOT_THERE = "not_there"
+
+
+class Difference(BaseModel):
+    """Something that went into a stage of this run and not of the earlier one."""
+
+    cause: Cause
+    field: str | None = None
+    """Dotted path, for parameters and the experiment."""
+    before: Any = None
+    now: Any = None
+
+
+class StageReuse(BaseModel):
+    """What a stage took over from earlier runs, and why not the rest."""
+
+    name: StageName
+    total_frames: int
+    reused_frames: int
+    differences: list[Difference]
+    """Against the run compared with. Empty where all was taken over."""
+
+
+class Reuse(BaseModel):
+    """What a run took over from earlier ones, and why not the rest."""
+
+    compared_with: int | None
+    """Number of the run before; null for the first of an experiment."""
+    stages: list[StageReuse]
+
+
 class Runs(Page[Run]):
     """Some runs."""
 

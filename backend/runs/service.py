@@ -22,6 +22,8 @@ from backend.platform.visibility import MayNot, Viewer
 from backend.runs import repository, schemas
 from backend.runs.errors import NoSuchRun, RunActive, RunFinished, RunNotFailed
 from backend.runs.progress import shown_stages
+from backend.runs.repository import Done
+from backend.runs.reuse import stage_reuse
 from backend.stacks.errors import StackNotReady
 from dropflow.errors import ParametersError
 from dropflow.experiment import parse_experiment
@@ -79,7 +81,11 @@ def create(session: Session, platform: Platform, viewer: Viewer, experiment_id: 
 
 
 def cancel(session: Session, viewer: Viewer, run_id: UUID) -> Run:
-    """Ask a run to stop: what waits is taken back now, what is worked on within a frame or two."""
+    """Ask a run to stop: what waits is taken back now, what is worked on within a frame or two.
+
+    What it has made is removed with it, unless another run shares it.
+    """
+    get_locked(session, viewer, get(session, viewer, run_id).experiment_id)  # for what is removed may be shared
     run = repository.lock(session, viewer, run_id) or _absent(session, viewer, run_id)
     if is_terminal(RUN_RULES, run.state):
         raise RunFinished
@@ -96,6 +102,21 @@ def retry(session: Session, platform: Platform, viewer: Viewer, run_id: UUID) ->
     if run.state != RunState.FAILED:
         raise RunNotFailed
     return create(session, platform, viewer, run.experiment_id, run.parameters)
+
+
+def reuse(session: Session, viewer: Viewer, run_id: UUID) -> schemas.Reuse:
+    """What a run took over, compared with the one before."""
+    run = get(session, viewer, run_id)
+    before = repository.before(session, viewer, run)
+    done = repository.done_frames(session, [run.id])
+    made = set() if before is None else repository.stages_made(session, before.id)
+    return schemas.Reuse(
+        compared_with=None if before is None else before.number,
+        stages=[
+            stage_reuse(stage, done.get((run.id, stage.name), Done(0, 0)).reused_frames, run, before, made)
+            for stage in run.stages
+        ],
+    )
 
 
 def delete(session: Session, viewer: Viewer, run_id: UUID) -> None:

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from sqlalchemy import select, update
 
-from backend.models import Product, Shard
+from backend.models import Product, Run, Shard
 from backend.models.states import ShardState
 from tests.films import PARAMETERS
 from tests.house import House, Json
@@ -276,3 +276,77 @@ def test_a_run_is_not_deleted_while_it_goes_on(house: House) -> None:
     answer = house.api.delete(f"runs/{run['id']}")
     assert answer.status_code == 409
     assert answer.json()["code"] == "conflict.run_active"
+
+
+def _reuse(house: House, run: Json) -> Json:
+    return house.ok(house.api.get(f"runs/{run['id']}/reuse"))
+
+
+def test_what_was_taken_over_and_why_not_the_rest_is_said(house: House) -> None:
+    ready = house.ready()
+    first = house.start(ready)
+    house.work()
+    assert _reuse(house, first)["compared_with"] is None
+    second = house.start(ready, PARAMETERS | TRACKING_ONLY)
+    house.work()
+    said = _reuse(house, second)
+    assert said["compared_with"] == 1
+    detect, track, _ = said["stages"]
+    assert (detect["reused_frames"], detect["differences"]) == (6, [])
+    assert track["reused_frames"] == 0
+    assert track["differences"] == [
+        {"cause": "parameter", "field": "flow.n_columns", "before": 5, "now": 6},
+        {"cause": "parameter", "field": "flow.n_rows", "before": 4, "now": 5},
+    ]
+
+
+def test_a_corrected_experiment_is_named_as_the_cause(house: House) -> None:
+    ready = house.ready()
+    house.start(ready)
+    house.work()
+    house.ok(
+        house.api.patch(f"experiments/{ready['id']}", json={"experiment": ready["experiment"] | {"pixel_size_um": 0.9}})
+    )
+    second = house.start(ready)
+    house.work()
+    for stage in _reuse(house, second)["stages"]:
+        assert stage["differences"] == [{"cause": "experiment", "field": "pixel_size_um", "before": 1.0, "now": 0.9}]
+
+
+def test_other_code_is_named_as_the_cause(house: House) -> None:
+    ready = house.ready()
+    first = house.start(ready)
+    house.work()
+    with house.context.sessions.begin() as session:
+        session.execute(update(Run).values(source_digest="0" * 64))
+        session.execute(update(Product).values(input_key="other", film_key="other"))
+    second = house.start(ready)
+    house.work()
+    assert [found["cause"] for found in _reuse(house, second)["stages"][0]["differences"]] == ["code"]
+    assert house.again(first)["state"] == "completed"
+
+
+def test_a_cancelled_run_frees_its_space_but_not_what_others_share(house: House) -> None:
+    ready = house.ready()
+    first = house.start(ready)
+    house.work()
+    kept = _objects_of(house, ready)
+    second = house.start(ready, PARAMETERS | TRACKING_ONLY)
+    look_at(house.context, house.waiting("prepare")[0])
+    assert _objects_of(house, ready) > kept
+    cancelled = house.ok(house.api.post(f"runs/{second['id']}/cancel"), 202)
+    assert cancelled["state"] == "cancelled"
+    assert _objects_of(house, ready) == kept
+    assert len(house.ok(house.api.get(f"runs/{first['id']}/frames/2/droplets"))["x_px"]) >= 5
+
+
+def test_what_was_half_written_by_those_who_were_killed_is_removed(house: House) -> None:
+    run = house.start(house.ready())
+    (shard_id,) = house.waiting("prepare")
+    prefix = f"experiments/{run['experiment_id']}/products/{shard_id}/1/"
+    house.context.store.put(prefix + "half", b"written before the kill")
+    with house.context.sessions.begin() as session:
+        session.execute(update(Shard).where(Shard.id == shard_id).values(fence=1))
+    house.work()
+    assert house.again(run)["state"] == "completed"
+    assert not [key for key in house.kept_objects() if key.startswith(prefix)]

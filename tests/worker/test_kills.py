@@ -18,7 +18,16 @@ from backend.models.states import ShardState
 from tests.faults import Customer, Deployment, InThread, deployment, run_id
 from tests.house import Json
 
-VICTIMS = ("API", "Postgres", "Valkey", "reconciler", "worker shards", "worker sequential", "busy detect", "busy track")
+VICTIMS = (
+    "API",
+    "PostgreSQL",
+    "Valkey",
+    "reconciler",
+    "worker shards",
+    "worker sequential",
+    "busy detect",
+    "busy track",
+)
 """What is killed: a part, or the process that works on a shard of a task."""
 _LONGEST_WAIT_S = 10.0
 TABLES = {

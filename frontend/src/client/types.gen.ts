@@ -39,6 +39,13 @@ export type Announced = {
 };
 
 /**
+ * Cause
+ *
+ * What kind of input differs.
+ */
+export type Cause = 'parameter' | 'experiment' | 'frames' | 'code' | 'not_there';
+
+/**
  * ChangeAccount
  *
  * What to change of your account; what is absent stays.
@@ -103,6 +110,27 @@ export type ChangePerson = {
      * Is Disabled
      */
     is_disabled?: boolean | null;
+};
+
+/**
+ * Difference
+ *
+ * Something that went into a stage of this run and not of the earlier one.
+ */
+export type Difference = {
+    /**
+     * Before
+     */
+    before?: unknown;
+    cause: Cause;
+    /**
+     * Field
+     */
+    field?: string | null;
+    /**
+     * Now
+     */
+    now?: unknown;
 };
 
 /**
@@ -1280,6 +1308,22 @@ export type ResultFiles = {
 };
 
 /**
+ * Reuse
+ *
+ * What a run took over from earlier ones, and why not the rest.
+ */
+export type Reuse = {
+    /**
+     * Compared With
+     */
+    compared_with: number | null;
+    /**
+     * Stages
+     */
+    stages: Array<StageReuse>;
+};
+
+/**
  * Right
  *
  * What a member may do with what belongs to a group; each right holds those before it.
@@ -1662,6 +1706,27 @@ export type Stage = {
  * What a run does, in this order.
  */
 export type StageName = 'detect' | 'track' | 'analyse';
+
+/**
+ * StageReuse
+ *
+ * What a stage took over from earlier runs, and why not the rest.
+ */
+export type StageReuse = {
+    /**
+     * Differences
+     */
+    differences: Array<Difference>;
+    name: StageName;
+    /**
+     * Reused Frames
+     */
+    reused_frames: number;
+    /**
+     * Total Frames
+     */
+    total_frames: number;
+};
 
 /**
  * StageState
@@ -6158,6 +6223,60 @@ export type RunsRetryResponses = {
 };
 
 export type RunsRetryResponse = RunsRetryResponses[keyof RunsRetryResponses];
+
+export type RunsGetReuseData = {
+    body?: never;
+    path: {
+        /**
+         * Run Id
+         */
+        run_id: string;
+    };
+    query?: never;
+    url: '/api/v1/runs/{run_id}/reuse';
+};
+
+export type RunsGetReuseErrors = {
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type RunsGetReuseError = RunsGetReuseErrors[keyof RunsGetReuseErrors];
+
+export type RunsGetReuseResponses = {
+    /**
+     * Successful Response
+     */
+    200: Reuse;
+};
+
+export type RunsGetReuseResponse = RunsGetReuseResponses[keyof RunsGetReuseResponses];
 
 export type TrajectoriesGetData = {
     body?: never;

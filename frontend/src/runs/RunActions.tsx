@@ -1,5 +1,5 @@
 import { Button, Group, Paper } from "@mantine/core";
-import { useMutation, useQueryClient } from "@tanstack/react-query";
+import { type UseMutationResult, useMutation, useQueryClient } from "@tanstack/react-query";
 import { Link, useNavigate } from "@tanstack/react-router";
 import { type Run, runsCancel, runsDelete, runsRetry } from "../client";
 import { ConfirmButton } from "../platform/ConfirmButton";
@@ -34,7 +34,7 @@ export function RunActions({ run }: { run: Run }) {
       void cache.invalidateQueries({ queryKey: ["experiments"] });
     },
   });
-  const error = cancel.error ?? retry.error;
+  const error = retry.error;
   return (
     <Group gap="xs">
       {error && (
@@ -43,14 +43,7 @@ export function RunActions({ run }: { run: Run }) {
         </Paper>
       )}
       {isActive(run.state) ? (
-        <Button
-          variant="default"
-          disabled={run.is_cancelling}
-          loading={cancel.isPending}
-          onClick={() => cancel.mutate()}
-        >
-          {run.is_cancelling ? "Stopping" : "Cancel the run"}
-        </Button>
+        <CancelButton run={run} cancel={cancel} />
       ) : (
         <ConfirmButton
           label="Delete"
@@ -80,5 +73,25 @@ export function RunActions({ run }: { run: Run }) {
         Run with other parameters
       </Button>
     </Group>
+  );
+}
+
+function CancelButton({ run, cancel }: { run: Run; cancel: UseMutationResult<Run, Error, void> }) {
+  if (run.is_cancelling)
+    return (
+      <Button variant="default" disabled>
+        Stopping
+      </Button>
+    );
+  return (
+    <ConfirmButton
+      label="Cancel the run"
+      title={`Cancel run ${run.number}?`}
+      action="Cancel the run"
+      mutation={cancel}
+    >
+      It stops within seconds. What it has made so far is removed, unless another run shares it; the frames
+      stay.
+    </ConfirmButton>
   );
 }

@@ -12,6 +12,7 @@ import { Loading, QueryView } from "../platform/QueryView";
 import { ResultTabs } from "../results/ResultTabs";
 import { KeyNumbers } from "./KeyNumbers";
 import { runQuery } from "./queries";
+import { ReuseNote } from "./ReuseNote";
 import { RunActions } from "./RunActions";
 import { RunName, StateBadge } from "./RunBadges";
 import { Stages } from "./StageProgress";
@@ -75,6 +76,7 @@ function Outcome({ run }: { run: Run }) {
           <Stages stages={run.stages} />
         </Panel>
       )}
+      <ReuseNote run={run} />
       {run.warnings.length > 0 && (
         <Alert color="orange" title="Worth knowing">
           <List size="sm">

@@ -1,10 +1,19 @@
-import { queryOptions } from "@tanstack/react-query";
-import { runsGet, runsList, schemasGetParameters } from "../client";
+import { keepPreviousData, queryOptions } from "@tanstack/react-query";
+import { type Run, runsGet, runsGetReuse, runsList, schemasGetParameters } from "../client";
 
 export function runQuery(runId: string) {
   return queryOptions({
     queryKey: ["runs", runId],
     queryFn: async ({ signal }) => (await runsGet({ path: { run_id: runId }, signal })).data,
+  });
+}
+
+/** What a run took over from earlier ones; looked at again when the run has got further. */
+export function reuseQuery({ id, state, stages }: Run) {
+  return queryOptions({
+    queryKey: ["runs", id, "reuse", state, ...stages.map((stage) => stage.state)],
+    queryFn: async ({ signal }) => (await runsGetReuse({ path: { run_id: id }, signal })).data,
+    placeholderData: keepPreviousData,
   });
 }
 
