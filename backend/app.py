@@ -9,6 +9,7 @@ from fastapi import APIRouter, Depends, FastAPI
 from sqlalchemy.exc import ProgrammingError
 from starlette.types import Lifespan
 
+from backend.administration.endpoints import router as administration
 from backend.experiments.endpoints import router as experiments
 from backend.flow.endpoints import router as flow
 from backend.forms.endpoints import router as forms
@@ -39,6 +40,7 @@ from backend.platform.stopping import before_stopping
 from backend.quality.endpoints import router as quality
 from backend.results.endpoints import router as results
 from backend.runs.endpoints import router as runs
+from backend.shares.endpoints import router as shares
 from backend.stacks.endpoints import router as stacks
 from backend.stacks.images import OpenStacks
 from backend.tokens.endpoints import router as tokens
@@ -85,7 +87,7 @@ def bare_app(lifespan: Lifespan[FastAPI] | None = None) -> FastAPI:
         lifespan=lifespan,
     )
     api = APIRouter(prefix=API, dependencies=[Depends(check_media)])
-    lab = (session_router, account_router, people_router, groups, invitations_router, tokens)
+    lab = (session_router, account_router, people_router, groups, invitations_router, tokens, shares, administration)
     films = (experiments, stacks, uploads, runs, results, trajectories, flow, quality, planning)
     for router in (health, forms, *lab, *films):
         api.include_router(router)

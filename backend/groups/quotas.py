@@ -8,7 +8,7 @@ from sqlalchemy.orm import Session
 
 from backend.groups.errors import QuotaExceeded, TooManyRuns
 from backend.groups.schemas import Usage
-from backend.models import Experiment, File, Group, Product, Run
+from backend.models import Experiment, File, Group, Product, Run, Upload
 from backend.models.states import ACTIVE_RUN_STATES
 from backend.platform.settings import Settings
 
@@ -18,10 +18,11 @@ def usages(session: Session, settings: Settings, groups: Sequence[Group]) -> Map
     ids = [group.id for group in groups]
     uploaded = dict(session.execute(_file_bytes(ids)).all())
     made = dict(session.execute(_product_bytes(ids)).all())
+    coming = dict(session.execute(_coming_bytes(ids)).all())
     active = dict(session.execute(_active_runs(ids)).all())
     return {
         group.id: Usage(
-            used_bytes=int(uploaded.get(group.id, 0)) + int(made.get(group.id, 0)),
+            used_bytes=sum(int(part.get(group.id, 0)) for part in (uploaded, made, coming)),
             max_bytes=settings.group_max_bytes if group.max_bytes is None else group.max_bytes,
             n_active_runs=active.get(group.id, 0),
             max_active_runs=settings.group_max_active_runs if group.max_active_runs is None else group.max_active_runs,
@@ -31,7 +32,8 @@ def usages(session: Session, settings: Settings, groups: Sequence[Group]) -> Map
 
 
 def demand_room(session: Session, settings: Settings, group: Group, n_bytes: int) -> None:
-    """Refuse what would not fit, before any of it comes."""
+    """Refuse what would not fit, before any of it comes; what else was announced counts as if it were there."""
+    _lock(session, group)
     usage = usages(session, settings, [group])[group.id]
     if usage.max_bytes is not None and usage.used_bytes + n_bytes > usage.max_bytes:
         raise QuotaExceeded(usage.used_bytes, usage.max_bytes)
@@ -39,10 +41,25 @@ def demand_room(session: Session, settings: Settings, group: Group, n_bytes: int
 
 def demand_run(session: Session, settings: Settings, group: Group) -> None:
     """Refuse one run more than the group may have at once; two that start at once are counted one after the other."""
-    session.execute(select(Group.id).where(Group.id == group.id).with_for_update(key_share=True))
+    _lock(session, group)
     usage = usages(session, settings, [group])[group.id]
     if usage.max_active_runs is not None and usage.n_active_runs >= usage.max_active_runs:
         raise TooManyRuns(usage.max_active_runs)
+
+
+def _lock(session: Session, group: Group) -> None:
+    """Whoever else wants something of this group waits until this transaction ends."""
+    session.execute(select(Group.id).where(Group.id == group.id).with_for_update(key_share=True))
+
+
+def _coming_bytes(group_ids: Sequence[UUID]) -> Select[UUID, int]:
+    return (
+        select(Experiment.group_id, func.sum(Upload.size_bytes))
+        .join(Upload, Upload.experiment_id == Experiment.id)
+        .where(Experiment.group_id.in_(group_ids), Upload.finished_at.is_(None), Upload.problem.is_(None))
+        .where(Upload.expires_at > func.now())
+        .group_by(Experiment.group_id)
+    )
 
 
 def _file_bytes(group_ids: Sequence[UUID]) -> Select[UUID, int]:

@@ -54,6 +54,7 @@ def session_create(
     response: Response,
     session: SessionDependency,
     platform: PlatformDependency,
+    identity: AnybodyDependency,
     said: schemas.SignIn,
 ) -> schemas.Session:
     """Sign in: with e-mail and password, or with a link's secret. The session is an HttpOnly cookie."""
@@ -62,6 +63,10 @@ def session_create(
     platform.rates.count("tries to sign in", address_of(request), per_minute)
     if said.email:
         platform.rates.count("tries to sign in", said.email, per_minute)
+    if said.share is not None:
+        return signing_in.look(
+            session, platform.settings, signing_in.visit(session, platform.settings, response, identity, said.share)
+        )
     person, came_by = signing_in.prove(session, said)
     identity = signing_in.enter(session, platform.settings, request, response, person, came_by)
     tell(session, came_by=came_by)

@@ -42,6 +42,19 @@ class LinkSpent(ServiceError):
         )
 
 
+class ShareExpired(ServiceError):
+    """A link to a shared run does not work for ever."""
+
+    status = HTTPStatus.UNAUTHORIZED
+
+    def __init__(self) -> None:
+        super().__init__(
+            "This link to a run is too old, or was taken back.",
+            code="session.share_expired",
+            hint="Ask whoever sent it for another.",
+        )
+
+
 class WrongPassword(ServiceError):
     """The password one has is asked for before another is taken."""
 

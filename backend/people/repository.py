@@ -7,7 +7,7 @@ from uuid import UUID
 from sqlalchemy import delete, func, select, update
 from sqlalchemy.orm import Session
 
-from backend.models import BrowserSession, Person, SignInLink
+from backend.models import BrowserSession, Person, ShareLink, SignInLink
 from backend.platform.secrets import hashed
 
 
@@ -65,6 +65,12 @@ def forget_expired(session: Session, now: datetime) -> None:
     """Remove what lets nobody in any more."""
     for table in (BrowserSession, SignInLink):
         session.execute(delete(table).where(table.expires_at < now))
+
+
+def share_link(session: Session, secret: str) -> ShareLink | None:
+    """The link to a shared run, as long as it works."""
+    query = select(ShareLink).where(ShareLink.secret_hash == hashed(secret), ShareLink.expires_at > func.now())
+    return session.scalar(query)
 
 
 def use_link(session: Session, secret: str) -> UUID | None:

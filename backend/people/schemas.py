@@ -62,7 +62,7 @@ class Session(BaseModel):
 
 
 class SignIn(BaseModel):
-    """One of: e-mail and password, or the secret of a link."""
+    """One of: e-mail and password, the secret of a link that signs in, or of a link to a shared run."""
 
     model_config = ConfigDict(
         extra="forbid",
@@ -72,6 +72,7 @@ class SignIn(BaseModel):
     email: Annotated[str, StringConstraints(strip_whitespace=True, to_lower=True, max_length=320)] | None = None
     password: Password | None = None
     link: Secret | None = None
+    share: Secret | None = None
 
 
 class NewAccount(BaseModel):

@@ -1,5 +1,6 @@
 """In and out. A browser that signs in always gets a new session: nobody can have put one there before."""
 
+from dataclasses import replace
 from datetime import UTC, datetime
 
 from fastapi import Request, Response
@@ -8,8 +9,8 @@ from sqlalchemy.orm import Session
 from backend.groups import service as groups
 from backend.models import BrowserSession, Person, Scope, ShareLink
 from backend.people import passwords, repository, schemas, service
-from backend.people.errors import LinkSpent, WrongSignIn
-from backend.platform.identity import SESSION_LASTS, Identity, session_cookie
+from backend.people.errors import LinkSpent, ShareExpired, WrongSignIn
+from backend.platform.identity import SESSION_LASTS, Identity, session_cookie, share_cookie
 from backend.platform.problems import InvalidRequest
 from backend.platform.secrets import hashed, new_secret
 from backend.platform.settings import Settings
@@ -58,6 +59,18 @@ def enter(
     identity = Identity(person.id, person.name, Scope.ADMIN, "session", person.is_administrator, made.id)
     request.state.identity = identity
     return identity
+
+
+def visit(session: Session, settings: Settings, response: Response, identity: Identity | None, secret: str) -> Identity:
+    """Let a browser look at a shared run, beside whatever its person may see."""
+    link = repository.share_link(session, secret)
+    if link is None:
+        raise ShareExpired
+    link.used_at = datetime.now(UTC)
+    keep(settings, response, share_cookie(settings), secret, int((link.expires_at - link.used_at).total_seconds()))
+    if identity is not None:
+        return replace(identity, share_id=link.id)
+    return Identity(None, "a visitor", Scope.READ, "share link", share_id=link.id)
 
 
 def leave(session: Session, settings: Settings, request: Request, response: Response) -> None:

@@ -9,6 +9,7 @@ from obstore.exceptions import BaseError
 from sqlalchemy.orm import Session
 
 from backend.experiments.service import get, get_locked
+from backend.groups.quotas import demand_room
 from backend.models import Experiment, File
 from backend.models.lifecycle import remove_files
 from backend.models.states import STACK_RULES, rule
@@ -58,7 +59,9 @@ async def receive(platform: Platform, upload: Upload, body: AsyncIterator[bytes]
 def _room(platform: Platform, upload: Upload) -> tuple[int, str]:
     """How many bytes may come, and what they would exceed."""
     with platform.sessions.begin() as session:
-        _check_open(get(session, upload.viewer, upload.experiment_id))
+        experiment = get(session, upload.viewer, upload.experiment_id)
+        _check_open(experiment)
+        demand_room(session, platform.settings, experiment.group, upload.announced_bytes or 0)
         left = platform.settings.max_stack_bytes - _other_bytes(session, upload)
     if upload.role not in (Role.FRAMES, Role.FLAT_FIELD):
         return min(MAX_TABLE_BYTES, left), "table"
@@ -72,6 +75,7 @@ def _record(platform: Platform, upload: Upload, file_id: UUID, content: Content)
         _check_open(experiment)
         if _other_bytes(session, upload) + content.size_bytes > platform.settings.max_stack_bytes:
             raise TooLarge("stack", platform.settings.max_stack_bytes, upload.name)
+        demand_room(session, platform.settings, experiment.group, content.size_bytes)
         if earlier := repository.named(session, experiment.id, upload.role, upload.name):
             remove_files(session, experiment.id, File.id == earlier.id)
         file = File(

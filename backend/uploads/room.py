@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 
 from sqlalchemy.orm import Session
 
+from backend.groups.quotas import demand_room
 from backend.models import Experiment
 from backend.platform.dependencies import Platform
 from backend.platform.store_errors import StoreFull
@@ -36,12 +37,14 @@ def check_room(
     new: Sequence[Announced],
     replaced: Mapping[Key, tuple[int, str]],
 ) -> None:
-    """The stack stays within its limit and the disk can hold it. What a group may keep is to be checked here, too."""
+    """The stack stays within its limit, the group within its own, and the disk can hold it."""
     new_bytes = sum(file.size_bytes for file in new)
     old_bytes = sum(replaced[file.key][0] for file in new if file.key in replaced)
     kept_bytes = stacks.size_bytes(session, experiment.id) + repository.bytes_to_come(session, experiment.id)
     if new and kept_bytes - old_bytes + new_bytes > platform.settings.max_stack_bytes:
         raise TooLarge("stack", platform.settings.max_stack_bytes, new[0].name)
+    if new:
+        demand_room(session, platform.settings, experiment.group, new_bytes - old_bytes)
     free_bytes = platform.store.free_bytes()
     needed_bytes = repository.bytes_to_come(session) + new_bytes
     if new and free_bytes is not None and needed_bytes > free_bytes:

@@ -59,7 +59,37 @@ const invitation = createRoute({
   component: lazyRouteComponent(() => import("./people/InvitationPage"), "InvitationPage"),
 });
 
-const people = [signIn, invitation];
+const shared = createRoute({
+  getParentRoute: () => root,
+  path: "/shared",
+  component: lazyRouteComponent(() => import("./people/SharedPage"), "SharedPage"),
+});
+
+const account = createRoute({
+  getParentRoute: () => root,
+  path: "/account",
+  component: lazyRouteComponent(() => import("./people/AccountPage"), "AccountPage"),
+});
+
+const groups = createRoute({
+  getParentRoute: () => root,
+  path: "/groups",
+  component: lazyRouteComponent(() => import("./groups/GroupsPage"), "GroupsPage"),
+});
+
+const group = createRoute({
+  getParentRoute: () => root,
+  path: "/groups/$groupId",
+  component: lazyRouteComponent(() => import("./groups/GroupPage"), "GroupPage"),
+});
+
+const administration = createRoute({
+  getParentRoute: () => root,
+  path: "/administration",
+  component: lazyRouteComponent(() => import("./administration/AdministrationPage"), "AdministrationPage"),
+});
+
+const people = [signIn, invitation, shared, account, groups, group, administration];
 
 export const router = createRouter({
   routeTree: root.addChildren([experiments, newExperiment, experiment, newRun, run, planning, ...people]),

@@ -42,6 +42,8 @@ NEEDS = {
     "tokens_list": Needs.ACCOUNT,
     "tokens_create": Needs.ACCOUNT,
     "tokens_revoke": Needs.ACCOUNT,
+    "administration_get": Needs.ADMINISTRATOR,
+    "audit_list": Needs.ADMINISTRATOR,
     # /groups
     "groups_list": Needs.PERSON,
     "groups_create": Needs.ACCOUNT,
@@ -90,6 +92,9 @@ NEEDS = {
     "runs_retry": Needs.EDIT,
     "runs_delete": Needs.EDIT,
     "runs_events": Needs.VIEW,
+    "shares_list": Needs.EDIT,
+    "shares_create": Needs.EDIT,
+    "shares_delete": Needs.EDIT,
     "figures_list": Needs.VIEW,
     "figures_get": Needs.VIEW,
     "figures_table": Needs.VIEW,

@@ -39,6 +39,64 @@ export type Announced = {
 };
 
 /**
+ * AuditLine
+ *
+ * Who did what.
+ */
+export type AuditLine = {
+    /**
+     * About
+     */
+    about: {
+        [key: string]: unknown;
+    };
+    /**
+     * Action
+     */
+    action: string;
+    /**
+     * Address
+     */
+    address: string;
+    /**
+     * At
+     */
+    at: string;
+    /**
+     * Id
+     */
+    id: number;
+    /**
+     * Person Id
+     */
+    person_id: string | null;
+    /**
+     * Person Name
+     */
+    person_name: string;
+    /**
+     * Via
+     */
+    via: string;
+};
+
+/**
+ * AuditLog
+ *
+ * Lines of the audit log, newest first.
+ */
+export type AuditLog = {
+    /**
+     * Items
+     */
+    items: Array<AuditLine>;
+    /**
+     * Next Cursor
+     */
+    next_cursor?: string | null;
+};
+
+/**
  * Cause
  *
  * What kind of input differs.
@@ -131,6 +189,26 @@ export type Difference = {
      * Now
      */
     now?: unknown;
+};
+
+/**
+ * Disk
+ *
+ * Room for frames and results; null where the store does not say.
+ */
+export type Disk = {
+    /**
+     * Frames Bytes
+     */
+    frames_bytes: number;
+    /**
+     * Free Bytes
+     */
+    free_bytes: number | null;
+    /**
+     * Results Bytes
+     */
+    results_bytes: number;
 };
 
 /**
@@ -582,6 +660,26 @@ export type Health = {
 };
 
 /**
+ * Holder
+ *
+ * A process that holds work now.
+ */
+export type Holder = {
+    /**
+     * N Shards
+     */
+    n_shards: number;
+    /**
+     * Name
+     */
+    name: string;
+    /**
+     * Oldest Started At
+     */
+    oldest_started_at: string | null;
+};
+
+/**
  * Invitation
  *
  * An invitation that is open.
@@ -693,6 +791,34 @@ export type MadeInvitation = {
      */
     link: string;
     right: Right;
+};
+
+/**
+ * MadeShare
+ *
+ * The same with its address, which is shown this once.
+ */
+export type MadeShare = {
+    /**
+     * Created At
+     */
+    created_at: string;
+    /**
+     * Expires At
+     */
+    expires_at: string;
+    /**
+     * Id
+     */
+    id: string;
+    /**
+     * Link
+     */
+    link: string;
+    /**
+     * Used At
+     */
+    used_at: string | null;
 };
 
 /**
@@ -967,6 +1093,18 @@ export type NewRun = {
 };
 
 /**
+ * NewShare
+ *
+ * A link to make, and for how long.
+ */
+export type NewShare = {
+    /**
+     * Days
+     */
+    days?: number;
+};
+
+/**
  * NewToken
  *
  * A token to make. `read` looks; `submit` also uploads, runs and deletes; `admin` does all that you can.
@@ -981,6 +1119,31 @@ export type NewToken = {
      */
     name: string;
     scope?: Scope;
+};
+
+/**
+ * Overview
+ *
+ * What an administrator looks at first.
+ */
+export type Overview = {
+    disk: Disk;
+    /**
+     * Failed
+     */
+    failed: Array<Trouble>;
+    /**
+     * Queues
+     */
+    queues: Array<QueueLength>;
+    /**
+     * Slow
+     */
+    slow: Array<Trouble>;
+    /**
+     * Workers
+     */
+    workers: Array<Holder>;
 };
 
 /**
@@ -1243,6 +1406,26 @@ export type Quality = {
      * Time S
      */
     time_s: Array<number>;
+};
+
+/**
+ * QueueLength
+ *
+ * A queue of work.
+ */
+export type QueueLength = {
+    /**
+     * N Running
+     */
+    n_running: number;
+    /**
+     * N Waiting
+     */
+    n_waiting: number;
+    /**
+     * Name
+     */
+    name: string;
 };
 
 /**
@@ -1527,6 +1710,42 @@ export type Session = {
 };
 
 /**
+ * Share
+ *
+ * A link by which anybody may look at a run.
+ */
+export type Share = {
+    /**
+     * Created At
+     */
+    created_at: string;
+    /**
+     * Expires At
+     */
+    expires_at: string;
+    /**
+     * Id
+     */
+    id: string;
+    /**
+     * Used At
+     */
+    used_at: string | null;
+};
+
+/**
+ * Shares
+ *
+ * The links of a run that work.
+ */
+export type Shares = {
+    /**
+     * Items
+     */
+    items: Array<Share>;
+};
+
+/**
  * ShownInvitation
  *
  * The invitation somebody holds.
@@ -1541,7 +1760,7 @@ export type ShownInvitation = {
 /**
  * SignIn
  *
- * One of: e-mail and password, or the secret of a link.
+ * One of: e-mail and password, the secret of a link that signs in, or of a link to a shared run.
  */
 export type SignIn = {
     /**
@@ -1556,6 +1775,10 @@ export type SignIn = {
      * Password
      */
     password?: string | null;
+    /**
+     * Share
+     */
+    share?: string | null;
 };
 
 /**
@@ -1879,6 +2102,43 @@ export type Trajectory = {
      * Y Px
      */
     y_px: Array<number>;
+};
+
+/**
+ * Trouble
+ *
+ * A run that failed lately, or that goes on for long.
+ */
+export type Trouble = {
+    /**
+     * Experiment Name
+     */
+    experiment_name: string;
+    /**
+     * Finished At
+     */
+    finished_at: string | null;
+    /**
+     * Group Name
+     */
+    group_name: string;
+    /**
+     * Number
+     */
+    number: number;
+    problem: Problem | null;
+    /**
+     * Run Id
+     */
+    run_id: string;
+    /**
+     * Started At
+     */
+    started_at: string | null;
+    /**
+     * State
+     */
+    state: string;
 };
 
 /**
@@ -2250,6 +2510,117 @@ export type AccountEndSessionResponses = {
 };
 
 export type AccountEndSessionResponse = AccountEndSessionResponses[keyof AccountEndSessionResponses];
+
+export type AdministrationGetData = {
+    body?: never;
+    path?: never;
+    query?: never;
+    url: '/api/v1/administration';
+};
+
+export type AdministrationGetErrors = {
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type AdministrationGetError = AdministrationGetErrors[keyof AdministrationGetErrors];
+
+export type AdministrationGetResponses = {
+    /**
+     * Successful Response
+     */
+    200: Overview;
+};
+
+export type AdministrationGetResponse = AdministrationGetResponses[keyof AdministrationGetResponses];
+
+export type AuditListData = {
+    body?: never;
+    path?: never;
+    query?: {
+        /**
+         * Limit
+         *
+         * Most items to answer.
+         */
+        limit?: number;
+        /**
+         * Cursor
+         *
+         * `next_cursor` of the page before, asked for in the same order.
+         */
+        cursor?: string | null;
+        /**
+         * Person Id
+         *
+         * Only what this person did.
+         */
+        person_id?: string | null;
+        /**
+         * Action
+         *
+         * Only this operation, such as `runs_delete`.
+         */
+        action?: string | null;
+    };
+    url: '/api/v1/administration/audit';
+};
+
+export type AuditListErrors = {
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type AuditListError = AuditListErrors[keyof AuditListErrors];
+
+export type AuditListResponses = {
+    /**
+     * Successful Response
+     */
+    200: AuditLog;
+};
+
+export type AuditListResponse = AuditListResponses[keyof AuditListResponses];
 
 export type ExperimentsListData = {
     body?: never;
@@ -6277,6 +6648,184 @@ export type RunsGetReuseResponses = {
 };
 
 export type RunsGetReuseResponse = RunsGetReuseResponses[keyof RunsGetReuseResponses];
+
+export type SharesListData = {
+    body?: never;
+    path: {
+        /**
+         * Run Id
+         */
+        run_id: string;
+    };
+    query?: never;
+    url: '/api/v1/runs/{run_id}/shares';
+};
+
+export type SharesListErrors = {
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type SharesListError = SharesListErrors[keyof SharesListErrors];
+
+export type SharesListResponses = {
+    /**
+     * Successful Response
+     */
+    200: Shares;
+};
+
+export type SharesListResponse = SharesListResponses[keyof SharesListResponses];
+
+export type SharesCreateData = {
+    body: NewShare;
+    path: {
+        /**
+         * Run Id
+         */
+        run_id: string;
+    };
+    query?: never;
+    url: '/api/v1/runs/{run_id}/shares';
+};
+
+export type SharesCreateErrors = {
+    /**
+     * Bad Request
+     */
+    400: Problem;
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Request Entity Too Large
+     */
+    413: Problem;
+    /**
+     * Unsupported Media Type
+     */
+    415: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type SharesCreateError = SharesCreateErrors[keyof SharesCreateErrors];
+
+export type SharesCreateResponses = {
+    /**
+     * Successful Response
+     */
+    201: MadeShare;
+};
+
+export type SharesCreateResponse = SharesCreateResponses[keyof SharesCreateResponses];
+
+export type SharesDeleteData = {
+    body?: never;
+    path: {
+        /**
+         * Run Id
+         */
+        run_id: string;
+        /**
+         * Share Id
+         */
+        share_id: string;
+    };
+    query?: never;
+    url: '/api/v1/runs/{run_id}/shares/{share_id}';
+};
+
+export type SharesDeleteErrors = {
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type SharesDeleteError = SharesDeleteErrors[keyof SharesDeleteErrors];
+
+export type SharesDeleteResponses = {
+    /**
+     * Successful Response
+     */
+    204: void;
+};
+
+export type SharesDeleteResponse = SharesDeleteResponses[keyof SharesDeleteResponses];
 
 export type TrajectoriesGetData = {
     body?: never;

@@ -1,6 +1,7 @@
 import { Button, Menu } from "@mantine/core";
-import { IconLogout, IconUserCircle } from "@tabler/icons-react";
+import { IconKey, IconLogout, IconSettings, IconUserCircle, IconUsers } from "@tabler/icons-react";
 import { useQuery } from "@tanstack/react-query";
+import { Link } from "@tanstack/react-router";
 import { sessionQuery, useSignOut } from "./session";
 
 /** Who one is here, and the pages about that. */
@@ -22,6 +23,27 @@ export function AccountMenu() {
         </Button>
       </Menu.Target>
       <Menu.Dropdown>
+        <Menu.Item
+          renderRoot={(props) => <Link to="/account" {...props} />}
+          leftSection={<IconKey size={16} aria-hidden />}
+        >
+          Account and tokens
+        </Menu.Item>
+        <Menu.Item
+          renderRoot={(props) => <Link to="/groups" {...props} />}
+          leftSection={<IconUsers size={16} aria-hidden />}
+        >
+          Groups
+        </Menu.Item>
+        {person.is_administrator && (
+          <Menu.Item
+            renderRoot={(props) => <Link to="/administration" {...props} />}
+            leftSection={<IconSettings size={16} aria-hidden />}
+          >
+            Administration
+          </Menu.Item>
+        )}
+        <Menu.Divider />
         <Menu.Item onClick={() => signOut.mutate()} leftSection={<IconLogout size={16} aria-hidden />}>
           Sign out
         </Menu.Item>
