@@ -1,7 +1,7 @@
 """`dropflow preview`: one frame with what is found in it."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -10,6 +10,9 @@ from dropflow.errors import FramesError
 from dropflow.experiment import load_experiment
 from dropflow.frames.contract import Frame, Frames
 from dropflow.parameters import Parameters, load_parameters
+
+if TYPE_CHECKING:
+    from dropflow.preprocess import StackEstimate
 
 
 def preview(
@@ -49,12 +52,26 @@ def preview(
     )
     write_picture(output, picture)
     if steps is not None:
+        _write_flat_field(steps, measured)
         for number, step in enumerate(shown.steps, start=1):
             picture = draw_overlay(step.image, found[:0], pixel_size_um=film.pixel_size_um)
             write_picture(steps / f"{number}-{step.name}.png", picture)
     told = ", ".join(f"{number} {reason}" for reason, number in shown.n_rejected.items()) or "none"
     typer.echo(f"{len(found)} droplets in frame {frame}; candidates not accepted: {told}")
     typer.echo(f"The picture is {output}")
+
+
+def _write_flat_field(folder: Path, measured: "StackEstimate") -> None:
+    """The stack's flat field, given or estimated, and the dirt in it."""
+    if measured.flat_field is None:
+        return
+    from dropflow.droplets import Droplets
+    from dropflow.figures.overlay import draw_overlay, write_picture
+    from dropflow.preprocess.background import dirt_map
+
+    dirt = dirt_map(measured.flat_field).astype("uint8")
+    for name, image in (("flat_field_of_the_stack", measured.flat_field), ("dirt_map", dirt)):
+        write_picture(folder / f"0-{name}.png", draw_overlay(image, Droplets.empty()))
 
 
 def _frame_at(frames: Frames, index: int) -> Frame:

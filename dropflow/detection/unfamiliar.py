@@ -7,7 +7,8 @@ import numpy as np
 from dropflow.detection.contract import Detector
 from dropflow.detection.default.detector import DefaultDetector
 from dropflow.preprocess import StackEstimate
-from dropflow.preprocess.measure import Stack, sampled
+from dropflow.preprocess.background import Stack
+from dropflow.preprocess.measure import sampled
 
 TOLERATED_SHARE = 0.035
 """1 % of the features of the training's own droplets are beyond its range by definition, up to 2 % in simulated films

@@ -20,9 +20,11 @@ class StackEstimate:
     shape: tuple[int, int]
     """Rows and columns of every frame."""
     flat_field: npt.NDArray[np.float32] | None
-    """Shape (rows, columns), mean 1: frames are divided by it. None where the experiment gives no flat field."""
+    """Shape (rows, columns), mean 1: frames are divided by it. None where none is given, nor could be estimated."""
     stripes: Stripes = NO_STRIPES
     """Lines of light and shadow along the frames. The method `paper` filters instead, and has none measured."""
+    is_flat_field_estimated: bool = False
+    """From the frames themselves, see `dropflow.preprocess.background`."""
     unfamiliar_share: float = 0.0
     """Part of the features of some frames' droplets that the model of the method `default` was not trained for."""
 
@@ -35,6 +37,7 @@ class StackEstimate:
             flat_field=flat,
             stripes_along=np.array(self.stripes.direction.value),
             stripes_share=np.array(self.stripes.share),
+            is_flat_field_estimated=np.array(self.is_flat_field_estimated),
             unfamiliar_share=np.array(self.unfamiliar_share),
         )
 
@@ -48,9 +51,10 @@ class StackEstimate:
                 rows, columns = (int(side) for side in archive["shape"])
                 flat = archive["flat_field"]
                 stripes = Stripes(Direction(str(archive["stripes_along"])), float(archive["stripes_share"]))
+                is_estimated = bool(archive["is_flat_field_estimated"])
                 unfamiliar_share = float(archive["unfamiliar_share"])
         except (OSError, EOFError, KeyError, ValueError, IndexError, BadZipFile) as problem:
             name = str(file) if isinstance(file, Path) else None
             message = "This is no stack estimate."
             raise ResultsError(message, file=name, hint="Run the analysis again from the start.") from problem
-        return StackEstimate((rows, columns), flat if flat.size else None, stripes, unfamiliar_share)
+        return StackEstimate((rows, columns), flat if flat.size else None, stripes, is_estimated, unfamiliar_share)

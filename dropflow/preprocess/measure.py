@@ -1,7 +1,7 @@
 """Measuring once what all frames of a stack share."""
 
 from dataclasses import replace
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -9,6 +9,7 @@ import numpy.typing as npt
 from dropflow.errors import FramesError
 from dropflow.experiment import Experiment
 from dropflow.parameters import Method, Parameters
+from dropflow.preprocess.background import Stack, estimated_flat_field
 from dropflow.preprocess.estimate import StackEstimate
 from dropflow.preprocess.flat_field import normalised_flat_field
 from dropflow.preprocess.frame import corrected
@@ -17,14 +18,6 @@ from dropflow.preprocess.stripes import measure_stripes
 
 N_SAMPLED = 5
 """So many frames are looked at."""
-
-
-class Stack(Protocol):
-    """Anything with a length whose items are grey frames of shape (rows, columns)."""
-
-    def __len__(self) -> int: ...
-
-    def __getitem__(self, index: int, /) -> npt.NDArray[Any]: ...
 
 
 def estimate_stack(
@@ -39,7 +32,8 @@ def estimate_stack(
     experiment, parameters
         What was filmed and how it is to be analysed.
     flat_field
-        Image of the empty field of view, shape (rows, columns), all pixels positive; None if there is none.
+        Image of the empty field of view, shape (rows, columns), all pixels positive; None if there is none. The
+        method `default` then estimates what a film of at least 9 frames tells (`dropflow.preprocess.background`).
 
     Raises
     ------
@@ -56,6 +50,10 @@ def estimate_stack(
     estimate = StackEstimate((rows, columns), flat)
     if parameters.detection.method is Method.PAPER:
         return estimate
+    if flat is None:
+        largest_px = parameters.detection.radius_max_um / experiment.pixel_size_um
+        flat = estimated_flat_field(frames, experiment.droplets, r_max_px=largest_px)
+        estimate = replace(estimate, flat_field=flat, is_flat_field_estimated=flat is not None)
     some = [corrected(frames[index], estimate, experiment.droplets) for index in sampled(len(frames))]
     return replace(estimate, stripes=measure_stripes(some))
 

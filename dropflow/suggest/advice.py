@@ -12,7 +12,8 @@ from dropflow.errors import FramesError
 from dropflow.experiment import Experiment
 from dropflow.parameters import Parameters, parse_parameters
 from dropflow.preprocess import estimate_stack
-from dropflow.preprocess.measure import Stack, sampled
+from dropflow.preprocess.background import Stack
+from dropflow.preprocess.measure import sampled
 from dropflow.preprocess.radius_range import SMALLEST_RADIUS_PX
 from dropflow.suggest.displacement import displacement
 from dropflow.suggest.measurements import Measurement, Seen, look_around, measurements_of

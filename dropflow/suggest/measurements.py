@@ -8,8 +8,8 @@ from dropflow.detection.default.detector import DefaultDetector
 from dropflow.detection.default.features import CONTRAST_USUAL, LOG_R, WIDTH
 from dropflow.detection.default.looks import first_look
 from dropflow.droplets import Droplets
+from dropflow.preprocess.background import Stack
 from dropflow.preprocess.estimate import StackEstimate
-from dropflow.preprocess.measure import Stack
 from dropflow.preprocess.stripes import Direction, strength
 
 _SURE = 0.8

@@ -23,6 +23,7 @@ ACCEPTED = 0.45
 ACCEPTED_NEAR = 0.2
 """The same where one was predicted."""
 _LEAST_STD_PX = 0.02
+_WORTH_MEASURING, _WIDE = 0.1, 0.3
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,8 +91,14 @@ class DefaultDetector:
         """Sightings with radius, uncertainties and probability from the model."""
         model = self.model
         probability = probability_of(model.again.predict(seen.features))
-        r_px = seen.r_px * np.exp(model.radius.predict(seen.features))
-        x_std_px = np.maximum(seen.r_px * np.exp(model.position_error.predict(seen.features)), _LEAST_STD_PX)
-        r_std_px = np.maximum(r_px * np.exp(model.radius_error.predict(seen.features)), _LEAST_STD_PX)
+        # What is hardly a droplet keeps its fitted radius and gets a wide error: nobody uses either.
+        is_worth = probability >= _WORTH_MEASURING
+        features = seen.features[is_worth]
+        r_px = seen.r_px.copy()
+        r_px[is_worth] *= np.exp(model.radius.predict(features))
+        x_std_px, r_std_px = _WIDE * seen.r_px, _WIDE * seen.r_px
+        x_std_px[is_worth] = seen.r_px[is_worth] * np.exp(model.position_error.predict(features))
+        r_std_px[is_worth] = r_px[is_worth] * np.exp(model.radius_error.predict(features))
+        x_std_px, r_std_px = np.maximum(x_std_px, _LEAST_STD_PX), np.maximum(r_std_px, _LEAST_STD_PX)
         match = np.clip(seen.features[:, MATCH], 0.0, 1.0)
         return Droplets(seen.x_px, seen.y_px, r_px, x_std_px, r_std_px, probability, match)

@@ -48,6 +48,7 @@ def test_an_estimate_survives_being_stored(flat, tmp_path):
     estimate = replace(
         estimate_stack([FRAME], experiment(), parameters(), flat),
         stripes=Stripes(Direction.COLUMNS, 0.7),
+        is_flat_field_estimated=True,
         unfamiliar_share=0.1,
     )
     buffer = BytesIO()
@@ -56,7 +57,8 @@ def test_an_estimate_survives_being_stored(flat, tmp_path):
     estimate.save(tmp_path / "estimate.npz")
     for read in StackEstimate.load(buffer), StackEstimate.load(tmp_path / "estimate.npz"):
         assert read.shape == estimate.shape
-        assert (read.stripes, read.unfamiliar_share) == (estimate.stripes, estimate.unfamiliar_share)
+        for name in ("stripes", "is_flat_field_estimated", "unfamiliar_share"):
+            assert getattr(read, name) == getattr(estimate, name)
         assert (read.flat_field is None) == (flat is None)
         assert flat is None or (read.flat_field == estimate.flat_field).all()
 
