@@ -63,20 +63,20 @@ def analysed(film: Path, parameters: Parameters, table: Path, results: Path) -> 
         track_film(frames, opened.index, experiment, parameters, opened.measured, droplets=table, folder=results)
 
 
-def print_images(scratch: Path, seed: int, n_frames: int) -> None:
+def print_images(scratch: Path, seed: int, n_frames: int, names: list[str]) -> None:
     """The five scenarios."""
-    for name in SCENARIOS:
+    for name in names:
         from_images(simulated(scratch, name, seed, n_frames, with_images=True), name, scratch, n_frames)
 
 
-def print_truth(scratch: Path, seed: int, n_frames: int) -> None:
+def print_truth(scratch: Path, seed: int, n_frames: int, names: list[str]) -> None:
     """The five scenarios with true droplets."""
-    for name in SCENARIOS:
+    for name in names:
         film = simulated(scratch, name, seed, n_frames, with_images=False)
         print_all(true_droplets(film, SHAPE), name, scratch / f"truth-{name}")
 
 
-def print_sweep(scratch: Path, seed: int, n_frames: int) -> None:
+def print_sweep(scratch: Path, seed: int, n_frames: int, _names: list[str]) -> None:
     """The scenario `fast` at ever longer intervals."""
     for ratio in RATIOS:
         interval_s = _INTERVAL_AT_ONE_S / ratio
@@ -86,7 +86,7 @@ def print_sweep(scratch: Path, seed: int, n_frames: int) -> None:
         )
 
 
-def print_flows(scratch: Path, seed: int, n_frames: int) -> None:
+def print_flows(scratch: Path, seed: int, n_frames: int, _names: list[str]) -> None:
     """Other flows than those that the estimator knows best."""
     cases = ({"kspread": 0.4}, {"kspread": 0.8}, {"wake_strength": 0.5}, {"wake_strength": 1.0})
     for changes in cases:
@@ -97,7 +97,7 @@ def print_flows(scratch: Path, seed: int, n_frames: int) -> None:
             print_all(true_droplets(film, SHAPE), label, film / "results")
 
 
-def print_convection(scratch: Path, _seed: int, _n_frames: int) -> None:
+def print_convection(scratch: Path, _seed: int, _n_frames: int, _names: list[str]) -> None:
     """Droplets on the paths of `proptv_dns_rbc`."""
     if not RBC.exists():
         print(f"There is no {RBC}: left out.")
@@ -107,9 +107,9 @@ def print_convection(scratch: Path, _seed: int, _n_frames: int) -> None:
     from_images(film, "convection, images", scratch, 30)
 
 
-def print_material(scratch: Path, seed: int, n_frames: int) -> None:
+def print_material(scratch: Path, seed: int, n_frames: int, names: list[str]) -> None:
     """Links with a material that is 30 % off."""
-    for name in SCENARIOS:
+    for name in names:
         given = true_droplets(simulated(scratch, name, seed, n_frames, with_images=False), SHAPE)
         for share in (1.0, 0.7, 1.3):
             assert isinstance(given.experiment.material, FixedMaterial)
@@ -137,6 +137,8 @@ def main() -> None:
     parser.add_argument("tables", nargs="*", metavar="TABLE", help=f"some of {', '.join(TABLES)}")
     parser.add_argument("--frames", type=int, default=20)
     parser.add_argument("--seed", type=int, default=901)
+    parser.add_argument("--scenarios", nargs="+", choices=list(SCENARIOS), default=list(SCENARIOS))
+    parser.add_argument("--speed-frames", type=int, default=1000, help="length of the film of the table of speed")
     parser.add_argument("--keep", type=Path, help="keep films and results here")
     arguments = parser.parse_args()
     if unknown := set(arguments.tables) - set(TABLES):
@@ -153,10 +155,10 @@ def main() -> None:
         for table in arguments.tables or TABLES:
             print(f"\n== {table} (seed {arguments.seed}, {arguments.frames} frames)\n")
             if table == "speed":
-                speed.print_table(scratch)
+                speed.print_table(scratch, arguments.speed_frames)
                 continue
             print(HEAD, flush=True)
-            prints[table](scratch, arguments.seed, arguments.frames)
+            prints[table](scratch, arguments.seed, arguments.frames, arguments.scenarios)
 
 
 if __name__ == "__main__":

@@ -18,7 +18,7 @@ from dropflow.progress import silent
 from dropflow.tracking.film import Film
 from dropflow.tracking.track import track_film
 
-N_FRAMES, FIRST_FRAMES = 1000, 5
+_FIRST_FRAMES = 5
 SIZES = (500, 2000, 8000, 20_000)
 """Droplets a frame; the frame grows with them."""
 
@@ -67,14 +67,17 @@ def _still_water() -> Experiment:
     )
 
 
-def print_table(scratch: Path) -> None:
+def print_table(scratch: Path, n_frames: int) -> None:
     """All three questions."""
-    given = true_droplets(simulated(scratch, "fast", 5, N_FRAMES, with_images=False), SHAPE)
-    for warm in (lambda: seconds(first(given, FIRST_FRAMES), DEFAULT), lambda: seconds_of_trackpy(first(given, 5))):
+    given = true_droplets(simulated(scratch, "fast", 5, n_frames, with_images=False), SHAPE)
+    for warm in (
+        lambda: seconds(first(given, _FIRST_FRAMES), DEFAULT),
+        lambda: seconds_of_trackpy(first(given, _FIRST_FRAMES)),
+    ):
         warm()
     per_frame = np.mean([len(some) for some in given.droplets])
     reference = seconds_of_trackpy(given)
-    print(f"{N_FRAMES} frames x {per_frame:.0f} droplets, CPU s")
+    print(f"{n_frames} frames x {per_frame:.0f} droplets, CPU s")
     print(f"  trackpy.link                      {reference:8.1f}")
     for label, parameters in (("dropflow, links and flow", DEFAULT), ("paper's mode, links and flow", PAPER)):
         spent = seconds(given, parameters)
