@@ -37,6 +37,7 @@ from backend.platform.queue import Queue
 from backend.platform.rates import Rates
 from backend.platform.settings import Settings, environment_settings
 from backend.platform.stopping import before_stopping
+from backend.previews.endpoints import router as previews
 from backend.quality.endpoints import router as quality
 from backend.results.endpoints import router as results
 from backend.runs.endpoints import router as runs
@@ -88,7 +89,7 @@ def bare_app(lifespan: Lifespan[FastAPI] | None = None) -> FastAPI:
     )
     api = APIRouter(prefix=API, dependencies=[Depends(check_media)])
     lab = (session_router, account_router, people_router, groups, invitations_router, tokens, shares, administration)
-    films = (experiments, stacks, uploads, runs, results, trajectories, flow, quality, planning)
+    films = (experiments, stacks, uploads, runs, results, trajectories, flow, quality, planning, previews)
     for router in (health, forms, *lab, *films):
         api.include_router(router)
     app.include_router(api)

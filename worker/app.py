@@ -9,8 +9,10 @@ import structlog
 from celery import signals
 
 from backend.platform.logging import set_up_logging
+from backend.platform.previews import PREVIEW_TASK, PreviewRequest
 from backend.platform.queue import TASK_NAME, make_celery
 from backend.platform.settings import environment_settings
+from worker import preview
 from worker.context import holders_of_this_worker, process_context
 from worker.outcomes import give_back_all
 from worker.shards import look_in
@@ -26,6 +28,12 @@ log = structlog.get_logger()
 def look_for_work(queue: str) -> None:
     """Do one shard of those that wait in a queue."""
     look_in(process_context(), queue)
+
+
+@app.task(name=PREVIEW_TASK)  # type: ignore[untyped-decorator]
+def look_ahead(request: str) -> None:
+    """Answer somebody who waits for a preview."""
+    preview.answer(process_context(), PreviewRequest.model_validate_json(request))
 
 
 @signals.setup_logging.connect  # type: ignore[untyped-decorator]

@@ -10,6 +10,8 @@ from redis.backoff import NoBackoff
 from redis.exceptions import RedisError
 from redis.retry import Retry
 
+from backend.platform.previews import LONGEST_WAIT_S, PREVIEW_TASK, PreviewRequest
+
 TASK_NAME = "worker.look_for_work"
 QUEUE_OF_TASK = {
     "ingest": "ingest",
@@ -81,6 +83,23 @@ class Queue:
         except (OperationalError, RedisError, OSError) as problem:
             self._is_away_until_s = time.monotonic() + AWAY_S
             log.warning("message not sent", queue=queue, reason=str(problem))
+
+    def preview(self, request: PreviewRequest) -> None:
+        """Ask for a look that somebody waits for. If the message is lost, they ask again."""
+        try:
+            self._broker.ping()
+            limit_s = LONGEST_WAIT_S
+            self._celery.send_task(
+                PREVIEW_TASK,
+                [request.model_dump_json()],
+                queue=INTERACTIVE,
+                retry=False,
+                expires=limit_s,
+                soft_time_limit=limit_s,
+                time_limit=limit_s + 30,
+            )
+        except (OperationalError, RedisError, OSError) as problem:
+            log.warning("preview not asked for", reason=str(problem))
 
     def n_waiting(self, queue: str) -> int:
         """Messages that no worker has taken yet."""

@@ -103,7 +103,7 @@ def _residuals(
     goes_on = (np.diff(column["trajectory_id"]) == 0) & (np.diff(column["frame"]) == 1)
     here = np.flatnonzero(goes_on)
     step_s = column["time_s"][here + 1] - column["time_s"][here]
-    flow = _at(velocity, grid, column["frame"][here], column["x_px"][here], column["y_px"][here])
+    flow = flow_at(velocity, grid, column["frame"][here], column["x_px"][here], column["y_px"][here])
     sinking = column["sedimentation_um_s"][here]
     off_x = column["u_um_s"][here] - flow[0] - sinking * experiment.up[0]
     off_y = column["v_um_s"][here] - flow[1] - sinking * experiment.up[1]
@@ -112,7 +112,9 @@ def _residuals(
     return column["frame"][here][is_known].astype(np.int64), squared[is_known]
 
 
-def _at(velocity: npt.NDArray[Any], grid: list[Floats], step: Any, x_px: Floats, y_px: Floats) -> tuple[Floats, Floats]:
+def flow_at(
+    velocity: npt.NDArray[Any], grid: list[Floats], step: Any, x_px: Floats, y_px: Floats
+) -> tuple[Floats, Floats]:
     """Both components of the flow at places of steps, linear between the centres of the cells."""
     places = []
     for centres, place in zip(grid, (x_px, y_px), strict=True):

@@ -769,6 +769,80 @@ export type Limits = {
 };
 
 /**
+ * LinkPreview
+ *
+ * How droplets of a frame are followed into the next, one array a column.
+ */
+export type LinkPreview = {
+    /**
+     * Frame
+     */
+    frame: number;
+    /**
+     * Is Detected
+     */
+    is_detected: Array<boolean>;
+    /**
+     * N Frames
+     */
+    n_frames: number;
+    /**
+     * Next R Px
+     */
+    next_r_px: Array<number | null>;
+    /**
+     * Next X Px
+     */
+    next_x_px: Array<number | null>;
+    /**
+     * Next Y Px
+     */
+    next_y_px: Array<number | null>;
+    /**
+     * Predicted X Px
+     */
+    predicted_x_px: Array<number | null>;
+    /**
+     * Predicted Y Px
+     */
+    predicted_y_px: Array<number | null>;
+    /**
+     * R Px
+     */
+    r_px: Array<number>;
+    /**
+     * Took S
+     */
+    took_s: number;
+    /**
+     * X Px
+     */
+    x_px: Array<number>;
+    /**
+     * Y Px
+     */
+    y_px: Array<number>;
+};
+
+/**
+ * LinkWish
+ *
+ * A frame whose droplets are to be followed into the next, and the parameters to try.
+ */
+export type LinkWish = {
+    /**
+     * Frame
+     */
+    frame: number;
+    /**
+     * Parameters
+     */
+    parameters?: {
+        [key: string]: unknown;
+    };
+};
+
+/**
  * MadeInvitation
  *
  * The same with its link, which is shown this once.
@@ -1301,6 +1375,71 @@ export type Present = {
 };
 
 /**
+ * Preview
+ *
+ * What detection finds with these parameters, one array a column.
+ */
+export type Preview = {
+    /**
+     * Frame
+     */
+    frame: number;
+    /**
+     * Match
+     */
+    match: Array<number | null>;
+    /**
+     * Prepared Jpeg
+     */
+    prepared_jpeg?: string | null;
+    /**
+     * Probability
+     */
+    probability: Array<number | null>;
+    /**
+     * R Px
+     */
+    r_px: Array<number>;
+    region: Region | null;
+    rejected: Rejected;
+    /**
+     * Took S
+     */
+    took_s: number;
+    /**
+     * X Px
+     */
+    x_px: Array<number>;
+    /**
+     * Y Px
+     */
+    y_px: Array<number>;
+};
+
+/**
+ * PreviewWish
+ *
+ * A frame, perhaps a part of it, and the parameters to try on it.
+ */
+export type PreviewWish = {
+    /**
+     * Frame
+     */
+    frame: number;
+    /**
+     * Is Picture Wanted
+     */
+    is_picture_wanted?: boolean;
+    /**
+     * Parameters
+     */
+    parameters?: {
+        [key: string]: unknown;
+    };
+    region?: Region | null;
+};
+
+/**
  * Problem
  *
  * What went wrong, where, and what to do.
@@ -1452,6 +1591,54 @@ export type Ramp = {
      * Total S
      */
     total_s: number;
+};
+
+/**
+ * Region
+ *
+ * A part of a frame, in pixels.
+ */
+export type Region = {
+    /**
+     * Height Px
+     */
+    height_px: number;
+    /**
+     * Width Px
+     */
+    width_px: number;
+    /**
+     * X Px
+     */
+    x_px: number;
+    /**
+     * Y Px
+     */
+    y_px: number;
+};
+
+/**
+ * Rejected
+ *
+ * Candidates that were not taken for droplets, one array a column.
+ */
+export type Rejected = {
+    /**
+     * R Px
+     */
+    r_px: Array<number>;
+    /**
+     * Reason
+     */
+    reason: Array<string>;
+    /**
+     * X Px
+     */
+    x_px: Array<number>;
+    /**
+     * Y Px
+     */
+    y_px: Array<number>;
 };
 
 /**
@@ -3286,6 +3473,154 @@ export type FramesPictureResponses = {
      */
     200: unknown;
 };
+
+export type PreviewsCreateData = {
+    body: PreviewWish;
+    path: {
+        /**
+         * Experiment Id
+         */
+        experiment_id: string;
+    };
+    query?: never;
+    url: '/api/v1/experiments/{experiment_id}/previews';
+};
+
+export type PreviewsCreateErrors = {
+    /**
+     * Bad Request
+     */
+    400: Problem;
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Conflict
+     */
+    409: Problem;
+    /**
+     * Request Entity Too Large
+     */
+    413: Problem;
+    /**
+     * Unsupported Media Type
+     */
+    415: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * Service Unavailable
+     */
+    503: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type PreviewsCreateError = PreviewsCreateErrors[keyof PreviewsCreateErrors];
+
+export type PreviewsCreateResponses = {
+    /**
+     * Successful Response
+     */
+    200: Preview;
+};
+
+export type PreviewsCreateResponse = PreviewsCreateResponses[keyof PreviewsCreateResponses];
+
+export type LinkPreviewsCreateData = {
+    body: LinkWish;
+    path: {
+        /**
+         * Experiment Id
+         */
+        experiment_id: string;
+    };
+    query?: never;
+    url: '/api/v1/experiments/{experiment_id}/previews/links';
+};
+
+export type LinkPreviewsCreateErrors = {
+    /**
+     * Bad Request
+     */
+    400: Problem;
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Conflict
+     */
+    409: Problem;
+    /**
+     * Request Entity Too Large
+     */
+    413: Problem;
+    /**
+     * Unsupported Media Type
+     */
+    415: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * Service Unavailable
+     */
+    503: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type LinkPreviewsCreateError = LinkPreviewsCreateErrors[keyof LinkPreviewsCreateErrors];
+
+export type LinkPreviewsCreateResponses = {
+    /**
+     * Successful Response
+     */
+    200: LinkPreview;
+};
+
+export type LinkPreviewsCreateResponse = LinkPreviewsCreateResponses[keyof LinkPreviewsCreateResponses];
 
 export type RunsListData = {
     body?: never;

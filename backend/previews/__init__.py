@@ -1,0 +1,1 @@
+"""What an analysis would do, seen before it is started."""

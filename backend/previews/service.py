@@ -1,0 +1,66 @@
+"""Asking a worker, and waiting for its answer."""
+
+import json
+import time
+from typing import Any, Literal
+from uuid import UUID, uuid4
+
+from backend.platform.dependencies import Platform
+from backend.platform.object_store import experiment_prefix
+from backend.platform.previews import PreviewRequest
+from backend.platform.problems import Problem
+from backend.platform.visibility import Viewer
+from backend.previews.errors import PreviewFailed, PreviewLate
+from backend.previews.schemas import LinkPreview, LinkWish, Preview, PreviewWish
+from backend.stacks.service import with_frame
+from dropflow.parameters import parse_parameters
+
+PATIENCE_S = {"droplets": 20.0, "links": 45.0}
+_FIRST_LOOK_S, _LONGEST_PAUSE_S = 0.02, 0.2
+
+
+def droplets(platform: Platform, viewer: Viewer, experiment_id: UUID, wish: PreviewWish) -> Preview:
+    """What detection finds in a frame."""
+    about = wish.model_dump(exclude={"region"}) | {"region": wish.region}
+    return Preview.model_validate(_ask(platform, viewer, experiment_id, "droplets", about))
+
+
+def links(platform: Platform, viewer: Viewer, experiment_id: UUID, wish: LinkWish) -> LinkPreview:
+    """How the droplets of a frame are followed into the next."""
+    return LinkPreview.model_validate(_ask(platform, viewer, experiment_id, "links", wish.model_dump()))
+
+
+def _ask(
+    platform: Platform,
+    viewer: Viewer,
+    experiment_id: UUID,
+    kind: Literal["droplets", "links"],
+    about: dict[str, Any],
+) -> Any:
+    """Send a request and wait; no transaction is open meanwhile."""
+    parse_parameters(about.get("parameters", {}))
+    with platform.sessions.begin() as session:
+        with_frame(session, viewer, experiment_id, about.get("frame", 0))
+    key = f"{experiment_prefix(experiment_id)}previews/{uuid4()}.json"
+    platform.queue.preview(
+        PreviewRequest(kind=kind, experiment_id=experiment_id, answer_key=key, asked_at_s=time.time(), **about)
+    )
+    answer = _await(platform, key, PATIENCE_S[kind])
+    if "problem" in answer:
+        raise PreviewFailed(Problem.model_validate(answer["problem"]))
+    return answer["found"]
+
+
+def _await(platform: Platform, key: str, patience_s: float) -> dict[str, Any]:
+    until_s, pause_s = time.monotonic() + patience_s, _FIRST_LOOK_S
+    while time.monotonic() < until_s:
+        time.sleep(pause_s)
+        pause_s = min(1.2 * pause_s, _LONGEST_PAUSE_S)
+        try:
+            content = platform.store.read(key)
+        except FileNotFoundError:
+            continue
+        platform.store.remove(key)
+        answer: dict[str, Any] = json.loads(content)
+        return answer
+    raise PreviewLate

@@ -1,0 +1,41 @@
+"""Task preview: a look at what an analysis would do, for somebody who moves a knob and waits."""
+
+import json
+import time
+from typing import Any
+
+import structlog
+
+from backend.platform.previews import LONGEST_WAIT_S, PreviewRequest
+from backend.platform.problems import problem_of
+from dropflow.errors import DropflowError
+from dropflow.parameters import parse_parameters
+from worker.context import Context
+from worker.preview_droplets import found_in
+from worker.preview_films import films
+from worker.preview_links import followed
+
+log = structlog.get_logger()
+
+
+def answer(context: Context, request: PreviewRequest) -> None:
+    """Put what was found, or the problem, where it is waited for."""
+    if time.time() - request.asked_at_s > LONGEST_WAIT_S:
+        return
+    began_s = time.monotonic()
+    try:
+        content: dict[str, Any] = {"found": _found(context, request)}
+    except DropflowError as error:
+        content = {"problem": problem_of(error).model_dump(mode="json")}
+    context.store.put(request.answer_key, json.dumps(content, allow_nan=False).encode())
+    log.info("preview answered", kind=request.kind, took_s=round(time.monotonic() - began_s, 3))
+
+
+def _found(context: Context, request: PreviewRequest) -> dict[str, Any]:
+    film = films.get(context, request.experiment_id)
+    parameters = parse_parameters(request.parameters)
+    match request.kind:
+        case "droplets":
+            return found_in(film, request, parameters)
+        case "links":
+            return followed(film, request.frame, parameters)
