@@ -7,7 +7,7 @@ from typing import Any
 import structlog
 
 from backend.platform.previews import LONGEST_WAIT_S, PreviewRequest
-from backend.platform.problems import problem_of
+from backend.platform.problems import Problem, problem_of
 from dropflow.errors import DropflowError
 from dropflow.parameters import parse_parameters
 from worker.context import Context
@@ -16,6 +16,13 @@ from worker.preview_films import films
 from worker.preview_links import followed
 
 log = structlog.get_logger()
+
+_UNEXPECTED = Problem(
+    title="Internal Server Error",
+    status=500,
+    code="service.internal",
+    detail="Something went wrong here that was not expected. It was written to the worker's log.",
+)
 
 
 def answer(context: Context, request: PreviewRequest) -> None:
@@ -27,6 +34,10 @@ def answer(context: Context, request: PreviewRequest) -> None:
         content: dict[str, Any] = {"found": _found(context, request)}
     except DropflowError as error:
         content = {"problem": problem_of(error).model_dump(mode="json")}
+    except Exception:
+        # Whoever waits is told at once; the log has the trace.
+        log.exception("preview failed", kind=request.kind, experiment=str(request.experiment_id))
+        content = {"problem": _UNEXPECTED.model_dump(mode="json")}
     context.store.put(request.answer_key, json.dumps(content, allow_nan=False).encode())
     log.info("preview answered", kind=request.kind, took_s=round(time.monotonic() - began_s, 3))
 

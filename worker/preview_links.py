@@ -12,7 +12,7 @@ import zarr
 from dropflow import pipeline
 from dropflow.detections import write_droplets
 from dropflow.errors import FieldProblem, ParametersError
-from dropflow.frames import Frame
+from dropflow.frames import Frame, Frames
 from dropflow.parameters import Parameters
 from dropflow.statistics.quality import flow_at
 from worker.preview_films import Film
@@ -21,21 +21,26 @@ N_FRAMES = 4
 """Enough for the flow to be known, few enough to wait for."""
 
 
-class Part:
+class Part(Frames):
     """Some frames of a film as a film of their own."""
 
-    def __init__(self, film: Film, start: int, stop: int) -> None:
-        self._film, self._start, self._n = film, start, stop - start
+    def __init__(self, frames: Frames, start: int, stop: int) -> None:
+        self._frames, self._start, self._n = frames, start, stop - start
+        self.shape, self.dtype = frames.shape, frames.dtype
 
     def __len__(self) -> int:
         return self._n
 
-    def __getitem__(self, index: int, /) -> Frame:
-        return self.read(index)
+    def label(self, index: int) -> str:
+        """As the whole film calls it."""
+        return self._frames.label(self._start + index)
 
     def read(self, index: int) -> Frame:
         """One of its frames."""
-        return self._film.frames.read(self._start + index)
+        return self._frames.read(self._start + index)
+
+    def close(self) -> None:
+        """The film stays open for others."""
 
 
 def followed(film: Film, frame: int, parameters: Parameters) -> dict[str, Any]:
@@ -61,7 +66,7 @@ def followed(film: Film, frame: int, parameters: Parameters) -> dict[str, Any]:
         ]
         write_droplets(folder / "droplets.parquet", iter(tables), metadata={})
         pipeline.track_film(
-            Part(film, frame, stop),  # type: ignore[arg-type]
+            Part(film.frames, frame, stop),
             index,
             film.experiment,
             short,

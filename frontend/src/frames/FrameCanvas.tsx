@@ -16,6 +16,8 @@ type FrameCanvasProps = {
   view: View;
   onView: (view: View) => void;
   tone: Tone;
+  /** Shown in place of the frame as it came. */
+  picture?: ImageBitmap;
   /** Drawn over the picture; a new function is drawn anew. */
   paint?: Painter;
   /** Time and the like, written into a corner beside the scale bar. */
@@ -41,7 +43,8 @@ export function FrameCanvas({
   const { ref, width } = useElementSize();
   const dpr = window.devicePixelRatio || 1;
   const picture = usePicture(source, frame, sideFor(Math.max(width, 1) * dpr * view.zoom));
-  const shown = useMemo(() => (picture.data ? toned(picture.data, tone) : null), [picture.data, tone]);
+  const pixels = on.picture ?? picture.data;
+  const shown = useMemo(() => (pixels ? toned(pixels, tone) : null), [pixels, tone]);
   const below = useRef<HTMLCanvasElement>(null);
   const above = useRef<HTMLCanvasElement>(null);
   const { columns, rows, pixel_size_um } = source;

@@ -42,6 +42,8 @@ type FramePlayerProps = {
   fileName?: string;
   /** One picture that does not go on, such as a mean. */
   isStill?: boolean;
+  /** Shown in place of the frame as it came. */
+  picture?: ImageBitmap;
 };
 
 /** A frame with its slider, step and play buttons, zoom, brightness and export; keys do the same. */
@@ -73,7 +75,8 @@ export function FramePlayer(props: FramePlayerProps) {
     onView(how === "whole" ? wholeFrame(source) : bounded({ ...view, zoom: view.zoom * factor }, source));
   };
   const scene = (which: number, painter = paint): Scene => {
-    return { source, frame: which, view, tone, paint: painter, stamp: timeOf?.(which) };
+    const stamp = timeOf?.(which);
+    return { source, frame: which, view, tone, paint: painter, stamp, picture: props.picture };
   };
   const save = async (kind: "png" | "svg") => {
     setSaving({ isBusy: true });
@@ -119,6 +122,7 @@ export function FramePlayer(props: FramePlayerProps) {
           view={view}
           onView={onView}
           tone={tone}
+          picture={props.picture}
           paint={paint}
           stamp={timeOf?.(frame)}
           label={label}

@@ -12,6 +12,8 @@ export type Scene = {
   tone: Tone;
   paint?: Painter;
   stamp?: string;
+  /** In place of the frame as it came. */
+  picture?: ImageBitmap;
 };
 
 const WIDTH_MIN = 1200;
@@ -31,7 +33,8 @@ function sheetOf({ source, view }: Scene, isEven = false) {
 /** Draw a scene on a canvas of its own size; video wants even sides. */
 export async function drawScene(scene: Scene, canvas = document.createElement("canvas"), isEven = false) {
   const { width, height, unit } = sheetOf(scene, isEven);
-  const picture = toned(await fetchPicture(wholePictureUrl(scene.source, scene.frame)), scene.tone);
+  const pixels = scene.picture ?? (await fetchPicture(wholePictureUrl(scene.source, scene.frame)));
+  const picture = toned(pixels, scene.tone);
   if (canvas.width !== width) canvas.width = width;
   if (canvas.height !== height) canvas.height = height;
   const context = canvas.getContext("2d");

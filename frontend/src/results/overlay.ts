@@ -27,6 +27,8 @@ export type OverlayData = {
   /** Number of the trajectory that stands out. */
   chosen?: number;
   colouring?: { by: Colouring; scale: Scale };
+  /** Where droplets were expected in the next frame. */
+  predictions?: { predicted_x_px: (number | null)[]; predicted_y_px: (number | null)[] };
   /** Arrows stand over a coloured map, where only dark ones are seen everywhere. */
   isOverMap?: boolean;
 };
@@ -39,6 +41,7 @@ export function overlayPainter(data: OverlayData, isShown: (layer: Layer) => boo
     if (tails && isShown("tails")) paintTails(pen, scale, tails);
     if (droplets && isShown("next")) paintNext(pen, scale, droplets);
     if (droplets && isShown("steps")) paintSteps(pen, scale, droplets);
+    if (data.predictions && isShown("steps")) paintPredictions(pen, scale, data.predictions);
     if (droplets && isShown("now")) paintNow(pen, scale, data, true);
     if (droplets && isShown("predicted")) paintNow(pen, scale, data, false);
     for (const layer of ["interpolated", "flow"] as const) {
@@ -122,6 +125,24 @@ function paintSteps(pen: Pen, scale: number, droplets: FrameDroplets): void {
     pen.moveTo(onScreen(droplets.x_px[index] ?? 0, scale), onScreen(droplets.y_px[index] ?? 0, scale));
     pen.lineTo(onScreen(x, scale), onScreen(y, scale));
   });
+  pen.stroke();
+}
+
+const CROSS_PX = 4;
+
+function paintPredictions(pen: Pen, scale: number, at: NonNullable<OverlayData["predictions"]>): void {
+  pen.lineWidth = 1.4;
+  pen.strokeStyle = LAYER_COLOURS.tails;
+  pen.beginPath();
+  for (const [index, x_px] of at.predicted_x_px.entries()) {
+    const y_px = at.predicted_y_px[index];
+    if (x_px === null || y_px == null) continue;
+    const [x, y] = [onScreen(x_px, scale), onScreen(y_px, scale)];
+    pen.moveTo(x - CROSS_PX, y);
+    pen.lineTo(x + CROSS_PX, y);
+    pen.moveTo(x, y - CROSS_PX);
+    pen.lineTo(x, y + CROSS_PX);
+  }
   pen.stroke();
 }
 

@@ -2,7 +2,7 @@ import { Anchor, Button, Group, Stack, Text } from "@mantine/core";
 import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
 import { getRouteApi, Link, useNavigate } from "@tanstack/react-router";
 import { type FormEvent, useMemo, useRef, useState } from "react";
-import { runsCreate } from "../client";
+import { type Experiment, runsCreate } from "../client";
 import { experimentQuery } from "../experiments/queries";
 import { check } from "../forms/check";
 import { type Document, defaultsOf } from "../forms/document";
@@ -12,6 +12,7 @@ import { Page } from "../platform/Page";
 import { ProblemAlert } from "../platform/ProblemAlert";
 import { fieldMessages, toProblem } from "../platform/problem";
 import { Loading, QueryView } from "../platform/QueryView";
+import { PreviewPanel } from "../previews/PreviewPanel";
 import { ParameterForm } from "./ParameterForm";
 import { parameterSchemaQuery, runQuery } from "./queries";
 
@@ -42,12 +43,13 @@ export function NewRunPage() {
       <QueryView query={schema} loading={<Loading rows={6} height={48} />}>
         {(loaded) =>
           from === undefined ? (
-            <NewRun experimentId={experimentId} schema={loaded as JsonSchema} />
+            <NewRun experimentId={experimentId} experiment={experiment.data} schema={loaded as JsonSchema} />
           ) : (
             <QueryView query={model}>
               {(run) => (
                 <NewRun
                   experimentId={experimentId}
+                  experiment={experiment.data}
                   schema={loaded as JsonSchema}
                   begin={run.parameters}
                   origin={`Begins with the parameters of run ${run.number}.`}
@@ -61,9 +63,15 @@ export function NewRunPage() {
   );
 }
 
-type NewRunProps = { experimentId: string; schema: JsonSchema; begin?: Document; origin?: string };
+type NewRunProps = {
+  experimentId: string;
+  experiment?: Experiment;
+  schema: JsonSchema;
+  begin?: Document;
+  origin?: string;
+};
 
-function NewRun({ experimentId, schema, begin, origin }: NewRunProps) {
+function NewRun({ experimentId, experiment, schema, begin, origin }: NewRunProps) {
   const fields = useMemo(() => fieldsOf(schema), [schema]);
   const defaults = useMemo(() => defaultsOf(fields), [fields]);
   const form = useRef<HTMLFormElement>(null);
@@ -100,7 +108,18 @@ function NewRun({ experimentId, schema, begin, origin }: NewRunProps) {
           </Group>
         </Group>
         {problem && <ProblemAlert problem={problem} title="The run was not started" />}
-        <ParameterForm fields={fields} document={document} onChange={change} messages={messages} />
+        <div className="tuning">
+          {experiment && (
+            <div className="stays-in-sight">
+              <PreviewPanel
+                experiment={experiment}
+                parameters={document}
+                isValid={Object.keys(messages).length === 0}
+              />
+            </div>
+          )}
+          <ParameterForm fields={fields} document={document} onChange={change} messages={messages} />
+        </div>
       </Stack>
     </form>
   );

@@ -1,4 +1,4 @@
-import { Badge, Button, Collapse, Grid, Stack, Text } from "@mantine/core";
+import { Badge, Button, Collapse, Stack, Text } from "@mantine/core";
 import { IconChevronDown, IconChevronRight } from "@tabler/icons-react";
 import { useState } from "react";
 import { type Document, valueAt } from "../forms/document";
@@ -18,13 +18,11 @@ type ParameterFormProps = {
 /** Every knob, one panel a stage; the constants of a method are folded away until they are wanted. */
 export function ParameterForm({ fields, ...form }: ParameterFormProps) {
   return (
-    <Grid gap="md">
+    <Stack gap="md">
       {fields.map((stage) => (
-        <Grid.Col key={stage.path} span={{ base: 12, md: 4 }}>
-          <StagePanel stage={stage} {...form} />
-        </Grid.Col>
+        <StagePanel key={stage.path} stage={stage} {...form} />
       ))}
-    </Grid>
+    </Stack>
   );
 }
 
