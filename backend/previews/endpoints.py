@@ -5,7 +5,7 @@ from uuid import UUID
 from fastapi import APIRouter
 
 from backend.experiments.errors import NoSuchExperiment
-from backend.platform.dependencies import PlatformDependency, ViewerDependency
+from backend.platform.dependencies import EditorDependency, PlatformDependency
 from backend.platform.problems import InvalidRequest, responses
 from backend.previews import service
 from backend.previews.errors import PreviewFailed, PreviewLate
@@ -18,7 +18,7 @@ _ERRORS = responses(NoSuchExperiment, StackNotReady, PreviewFailed, PreviewLate,
 
 @router.post("/previews", responses=_ERRORS)
 def previews_create(
-    platform: PlatformDependency, viewer: ViewerDependency, experiment_id: UUID, wish: PreviewWish
+    platform: PlatformDependency, viewer: EditorDependency, experiment_id: UUID, wish: PreviewWish
 ) -> Preview:
     """Try parameters on one frame: what is found, and what is not and why. Nothing is kept."""
     return service.droplets(platform, viewer, experiment_id, wish)
@@ -26,7 +26,7 @@ def previews_create(
 
 @router.post("/previews/links", responses=_ERRORS)
 def link_previews_create(
-    platform: PlatformDependency, viewer: ViewerDependency, experiment_id: UUID, wish: LinkWish
+    platform: PlatformDependency, viewer: EditorDependency, experiment_id: UUID, wish: LinkWish
 ) -> LinkPreview:
     """Try parameters on following droplets from a frame to the next. Nothing is kept."""
     return service.links(platform, viewer, experiment_id, wish)

@@ -38,9 +38,9 @@ def _ask(
     about: dict[str, Any],
 ) -> Any:
     """Send a request and wait; no transaction is open meanwhile."""
-    parse_parameters(about.get("parameters", {}))
     with platform.sessions.begin() as session:
         with_frame(session, viewer, experiment_id, about.get("frame", 0))
+    parse_parameters(about.get("parameters", {}))
     key = f"{experiment_prefix(experiment_id)}previews/{uuid4()}.json"
     platform.queue.preview(
         PreviewRequest(kind=kind, experiment_id=experiment_id, answer_key=key, asked_at_s=time.time(), **about)

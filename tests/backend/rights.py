@@ -83,6 +83,8 @@ NEEDS = {
     "uploads_offset": Needs.EDIT,
     "uploads_send": Needs.EDIT,
     "uploads_terminate": Needs.EDIT,
+    "previews_create": Needs.EDIT,
+    "link_previews_create": Needs.EDIT,
     # /runs
     "runs_list": Needs.VIEW,
     "runs_list_all": Needs.PERSON,
@@ -109,7 +111,10 @@ NEEDS = {
 }
 """By operation id. A new operation stands here, or the tests fail."""
 
+_WRONG_KNOB = {"json": {"frame": 0, "parameters": {"detection": {"radius_min_um": -1}}}}
 BODIES: dict[str, Json] = {
+    "previews_create": _WRONG_KNOB,  # a right one would wait for a worker
+    "link_previews_create": _WRONG_KNOB,
     "ramps_get": {"params": {"duration_s": 600}},
     "ramps_download": {"params": {"duration_s": 600}},
     "files_upload": {"params": {"name": "a.tif"}, "content": b"II*\0" + bytes(600)},
