@@ -100,6 +100,14 @@ class ObjectStore:
         stretch = Stretch(read_at, start=place.start_byte, size=place.size_bytes, close=close)
         return cast(BinaryIO, io.BufferedReader(stretch, READ_BYTES))
 
+    def stream_place(self, place: Place, start: int, stop: int) -> Iterator[bytes]:
+        """The bytes from `start` until before `stop` of a stretch, piece by piece."""
+        with self.open_place(place) as file:
+            file.seek(start)
+            while start < stop and (piece := file.read(min(READ_BYTES, stop - start))):
+                start += len(piece)
+                yield piece
+
     @property
     def can_grow(self) -> bool:
         """Whether an object can be appended to."""

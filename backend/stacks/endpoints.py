@@ -5,10 +5,12 @@ from typing import Annotated, Literal
 from uuid import UUID
 
 from fastapi import APIRouter, Header, Path, Query, Request, Response
+from fastapi.responses import StreamingResponse
 
 from backend.experiments.errors import NoSuchExperiment
 from backend.experiments.schemas import Experiment
 from backend.experiments.service import shown
+from backend.platform import downloads
 from backend.platform.dependencies import EditorDependency, PlatformDependency, SessionDependency, ViewerDependency
 from backend.platform.problems import InvalidRequest, responses
 from backend.platform.store_errors import StoreAway, StoreFull
@@ -36,6 +38,23 @@ def files_list(
 ) -> Files:
     """List the uploaded files, by role and name unless `sort` says otherwise."""
     return service.files(session, viewer, experiment_id, query)
+
+
+@router.get(
+    "/files/{file_id}",
+    response_class=StreamingResponse,
+    responses={**downloads.RESPONSES, **responses(NoSuchExperiment, InvalidRequest)},
+)
+def files_download(
+    request: Request,
+    session: SessionDependency,
+    platform: PlatformDependency,
+    viewer: ViewerDependency,
+    experiment_id: UUID,
+    file_id: UUID,
+) -> Response:
+    """Download an uploaded file as it came, whole or by `Range`."""
+    return downloads.answer(request, service.download(session, platform.store, viewer, experiment_id, file_id))
 
 
 @router.put(

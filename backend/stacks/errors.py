@@ -103,3 +103,10 @@ class NoSuchFrame(NotFound):
 
     def __init__(self, frame: int) -> None:
         super().__init__("There is no such frame.", code="not_found.frame", frame=frame)
+
+
+class NoSuchFile(NotFound):
+    """No file of this id was uploaded here."""
+
+    def __init__(self) -> None:
+        super().__init__("There is no such file.", code="not_found.file")

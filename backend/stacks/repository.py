@@ -37,6 +37,11 @@ def _files(viewer: Viewer, experiment_id: UUID) -> Select[File]:
     return select(File).where(File.experiment_id == experiment_id, File.experiment_id.in_(seen))
 
 
+def file(session: Session, viewer: Viewer, experiment_id: UUID, file_id: UUID) -> File | None:
+    """One file, if it is there for this person."""
+    return session.scalar(_files(viewer, experiment_id).where(File.id == file_id))
+
+
 def named(session: Session, experiment_id: UUID, role: str, name: str) -> File | None:
     """The file of this name, if it came before."""
     return session.scalar(select(File).filter_by(experiment_id=experiment_id, role=role, name=name))

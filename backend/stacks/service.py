@@ -10,12 +10,22 @@ from backend.models.lifecycle import doom, remove_files
 from backend.models.states import STACK_RULES, StackState, rule
 from backend.platform.database import after_commit
 from backend.platform.dependencies import Platform
+from backend.platform.downloads import Download
 from backend.platform.events import announce, experiment_topic
+from backend.platform.object_store import ObjectStore
 from backend.platform.places import Place
 from backend.platform.visibility import Viewer
 from backend.stacks import repository, schemas
 from backend.stacks.attachments import disagreements
-from backend.stacks.errors import FilesMissing, NoSuchFrame, RunsExist, StackClosed, StackEmpty, StackNotReady
+from backend.stacks.errors import (
+    FilesMissing,
+    NoSuchFile,
+    NoSuchFrame,
+    RunsExist,
+    StackClosed,
+    StackEmpty,
+    StackNotReady,
+)
 from dropflow.errors import ExperimentError
 
 
@@ -24,6 +34,23 @@ def files(session: Session, viewer: Viewer, experiment_id: UUID, query: schemas.
     get(session, viewer, experiment_id)
     found, next_cursor = repository.page(session, viewer, query, experiment_id)
     return schemas.Files(items=[schemas.File.model_validate(file) for file in found], next_cursor=next_cursor)
+
+
+def download(session: Session, store: ObjectStore, viewer: Viewer, experiment_id: UUID, file_id: UUID) -> Download:
+    """An uploaded file as it came, byte by byte."""
+    get(session, viewer, experiment_id)
+    file = repository.file(session, viewer, experiment_id, file_id)
+    if file is None:
+        raise NoSuchFile
+    place = Place(file.store_key, file.start_byte, file.size_bytes)
+    return Download(
+        name=file.name,
+        media_type="application/octet-stream",
+        size_bytes=file.size_bytes,
+        tag=f'"{file.sha256}"',
+        sha256=file.sha256,
+        read=lambda start, stop: store.stream_place(place, start, stop),
+    )
 
 
 def seal(

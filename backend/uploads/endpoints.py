@@ -136,7 +136,10 @@ def uploads_get(session: SessionDependency, viewer: ViewerDependency, experiment
 
 
 @router.head(
-    "/{upload_id}", response_class=Response, dependencies=_TUS, responses=responses(NoSuchUpload, InvalidRequest)
+    "/{upload_id}",
+    response_class=Response,
+    dependencies=_TUS,
+    responses=responses(NoSuchUpload, WrongVersion, InvalidRequest),
 )
 def uploads_offset(
     platform: PlatformDependency, viewer: EditorDependency, experiment_id: UUID, upload_id: UUID

@@ -73,6 +73,7 @@ NEEDS = {
     "experiments_events": Needs.VIEW,
     "files_list": Needs.VIEW,
     "files_upload": Needs.EDIT,
+    "files_download": Needs.VIEW,
     "stack_complete": Needs.EDIT,
     "stack_delete": Needs.EDIT,
     "frames_picture": Needs.VIEW,

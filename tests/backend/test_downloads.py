@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from backend.platform.downloads import content_disposition
+from tests.films import Upload, frame, png
 from tests.house import House, Json
 
 
@@ -94,6 +95,22 @@ def test_a_part_of_something_else_is_not_resumed(shared_house: House, finished: 
 def test_the_flow_field_is_an_archive(shared_house: House, finished: Json) -> None:
     content = shared_house.api.get(f"runs/{finished['id']}/files/flow.zarr.zip").content
     assert zipfile.ZipFile(io.BytesIO(content)).testzip() is None
+
+
+def test_an_uploaded_file_comes_back_as_it_was_under_the_name_it_had(house: House) -> None:
+    experiment = house.experiment()
+    content = png(frame(0))
+    for name in ('Versuch 7/größe 水 "1".png', "plain.png"):
+        house.upload(experiment, Upload(name, content))
+        (file,) = house.ok(house.api.get(f"experiments/{experiment['id']}/files", params={"q": name}))["items"]
+        answer = house.api.get(f"experiments/{experiment['id']}/files/{file['id']}")
+        assert answer.content == content
+        assert answer.headers["content-type"] == "application/octet-stream"
+        assert answer.headers["content-disposition"] == content_disposition(name)
+        part = house.api.get(f"experiments/{experiment['id']}/files/{file['id']}", headers={"Range": "bytes=9-19"})
+        assert (part.status_code, part.content) == (206, content[9:20])
+    other = house.api.get(f"experiments/{house.experiment()['id']}/files/{file['id']}")
+    assert (other.status_code, other.json()["code"]) == (404, "not_found.file")
 
 
 @given(st.text(st.characters(exclude_categories=["Cs"]), min_size=1).filter(lambda name: not name.endswith("/")))

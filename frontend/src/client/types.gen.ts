@@ -3400,6 +3400,72 @@ export type FilesUploadResponses = {
 
 export type FilesUploadResponse = FilesUploadResponses[keyof FilesUploadResponses];
 
+export type FilesDownloadData = {
+    body?: never;
+    path: {
+        /**
+         * Experiment Id
+         */
+        experiment_id: string;
+        /**
+         * File Id
+         */
+        file_id: string;
+    };
+    query?: never;
+    url: '/api/v1/experiments/{experiment_id}/files/{file_id}';
+};
+
+export type FilesDownloadErrors = {
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Requested Range Not Satisfiable
+     */
+    416: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type FilesDownloadError = FilesDownloadErrors[keyof FilesDownloadErrors];
+
+export type FilesDownloadResponses = {
+    /**
+     * The file.
+     */
+    200: Blob | File;
+    /**
+     * The part of it that `Range` asked for.
+     */
+    206: Blob | File;
+};
+
+export type FilesDownloadResponse = FilesDownloadResponses[keyof FilesDownloadResponses];
+
 export type FramesPictureData = {
     body?: never;
     path: {
@@ -4280,6 +4346,10 @@ export type UploadsOffsetErrors = {
      * Not Acceptable
      */
     406: Problem;
+    /**
+     * Precondition Failed
+     */
+    412: Problem;
     /**
      * Unprocessable Entity
      */

@@ -40,11 +40,11 @@ def client(service: RunningService, tmp_path: Path, monkeypatch: pytest.MonkeyPa
 def command(tmp_path: Path) -> Command:
     """Run `dropflow` with a configuration of the test's own."""
 
-    def run(*arguments: object, **variables: str) -> subprocess.CompletedProcess[str]:
+    def run(*arguments: object, said: str = "", **variables: str) -> subprocess.CompletedProcess[str]:
         return subprocess.run(
             [Path(sys.executable).with_name("dropflow"), *map(str, arguments)],
             env={**os.environ, "DROPFLOW_CONFIG": str(tmp_path / "servers.yaml"), **variables},
-            stdin=subprocess.DEVNULL,
+            input=said,
             capture_output=True,
             text=True,
             timeout=200,
