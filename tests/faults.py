@@ -1,10 +1,12 @@
 """A whole deployment whose parts are killed, stopped and started again while it works."""
 
+import io
 import os
 import random
 import signal
 import threading
 import time
+import zipfile
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
@@ -13,6 +15,8 @@ from typing import TypeVar
 from uuid import UUID
 
 import httpx
+import pyarrow as pa
+import pyarrow.parquet as pq
 import redis
 from sqlalchemy import Engine, select
 from sqlalchemy.exc import SQLAlchemyError
@@ -36,6 +40,11 @@ from tests.services import migrate, scratch_folder
 T = TypeVar("T")
 QUICK = {"LEASE_S": "4", "RECONCILE_EVERY_S": "0.5", "RESEND_AFTER_S": "1", "LOG_LEVEL": "WARNING"}
 LONGEST_RESTART_S = 1.0
+TABLES = {
+    "droplets.parquet": [("frame", "ascending"), ("x_px", "ascending"), ("y_px", "ascending")],
+    "trajectories.parquet": [("trajectory_id", "ascending"), ("frame", "ascending")],
+    "rejected_trajectories.parquet": [("trajectory_id", "ascending")],
+}
 
 
 @dataclass
@@ -168,6 +177,19 @@ class Customer:
     def file(self, run: Json, name: str) -> bytes:
         """A file of a run's results."""
         return self._answer(lambda: self._api.get(f"runs/{run['id']}/files/{name}")).content
+
+    def digest(self, run: Json) -> dict[str, bytes]:
+        """The results as bytes: tables sorted, the flow field file by file, the summary."""
+        found = {}
+        for name, order in TABLES.items():
+            table = pq.read_table(io.BytesIO(self.file(run, name))).sort_by(order)
+            packed = io.BytesIO()
+            with pa.ipc.new_stream(packed, table.schema) as writer:
+                writer.write_table(table.combine_chunks())
+            found[name] = packed.getvalue()
+        with zipfile.ZipFile(io.BytesIO(self.file(run, "flow.zarr.zip"))) as flow:
+            found |= {member: flow.read(member) for member in sorted(flow.namelist())}
+        return found | {"summary.json": self.file(run, "summary.json")}
 
     def _get(self, path: str) -> Json:
         return self._until(lambda: self._api.get(path))

@@ -8,6 +8,7 @@ import pytest
 from backend.platform.settings import Settings
 from deploy.local.postgres import Postgres
 from deploy.local.valkey import Valkey
+from tests.faults import Deployment, deployment
 from tests.house import House, house_settings, open_house
 from tests.services import database
 
@@ -28,6 +29,12 @@ def kept_house(
         settings = house_settings(url, valkey_server.url(2), tmp_path_factory.mktemp("house"))
         with open_house(settings) as house:
             yield house
+
+
+@pytest.fixture(scope="package")
+def place() -> Iterator[Deployment]:
+    with deployment() as running:
+        yield running
 
 
 @pytest.fixture

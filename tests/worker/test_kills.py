@@ -1,21 +1,17 @@
 """Whatever is killed, and whenever: every run ends completed, with the very results of a run that nobody disturbed."""
 
-import io
 import random
 import time
-import zipfile
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 import httpx
-import pyarrow as pa
-import pyarrow.parquet as pq
 import pytest
 
 from backend.models import Shard
 from backend.models.states import ShardState
-from tests.faults import Customer, Deployment, InThread, deployment, run_id
+from tests.faults import Customer, Deployment, InThread, run_id
 from tests.house import Json
 
 VICTIMS = (
@@ -30,11 +26,6 @@ VICTIMS = (
 )
 """What is killed: a part, or the process that works on a shard of a task."""
 _LONGEST_WAIT_S = 10.0
-TABLES = {
-    "droplets.parquet": [("frame", "ascending"), ("x_px", "ascending"), ("y_px", "ascending")],
-    "trajectories.parquet": [("trajectory_id", "ascending"), ("frame", "ascending")],
-    "rejected_trajectories.parquet": [("trajectory_id", "ascending")],
-}
 
 
 @dataclass(frozen=True)
@@ -46,30 +37,12 @@ class Size:
     n_customers: int
     mean_pause_s: float
     longest_s: float
+    patience_s: float
+    """How long a person asks again while the API is being started again and again."""
 
 
-SHORT = Size(n_kills=8, n_frames=24, n_customers=1, mean_pause_s=0.8, longest_s=120)
-FULL = Size(n_kills=100, n_frames=48, n_customers=3, mean_pause_s=1.5, longest_s=900)
-
-
-@pytest.fixture(scope="module")
-def place() -> Iterator[Deployment]:
-    with deployment() as running:
-        yield running
-
-
-def _digest(customer: Customer, run: Json) -> dict[str, bytes]:
-    """The results as bytes: tables sorted, the flow field file by file, the summary."""
-    found = {}
-    for name, order in TABLES.items():
-        table = pq.read_table(io.BytesIO(customer.file(run, name))).sort_by(order)
-        packed = io.BytesIO()
-        with pa.ipc.new_stream(packed, table.schema) as writer:
-            writer.write_table(table.combine_chunks())
-        found[name] = packed.getvalue()
-    with zipfile.ZipFile(io.BytesIO(customer.file(run, "flow.zarr.zip"))) as flow:
-        found |= {member: flow.read(member) for member in sorted(flow.namelist())}
-    return found | {"summary.json": customer.file(run, "summary.json")}
+SHORT = Size(n_kills=8, n_frames=24, n_customers=1, mean_pause_s=0.8, longest_s=120, patience_s=60)
+FULL = Size(n_kills=100, n_frames=48, n_customers=3, mean_pause_s=1.5, longest_s=1500, patience_s=600)
 
 
 def _disturb(place: Deployment, size: Size, seed: int) -> list[Json]:
@@ -118,7 +91,7 @@ def _kill_one(place: Deployment, victims: Iterator[str]) -> None:
 
 
 def _customer(api: httpx.Client, size: Size) -> Customer:
-    return Customer(api, n_frames=size.n_frames, shape=(240, 320), patience_s=60)
+    return Customer(api, n_frames=size.n_frames, shape=(240, 320), patience_s=size.patience_s)
 
 
 def _assert_nothing_is_doubled_or_left(place: Deployment, runs: list[Json], n_frames: int) -> None:
@@ -153,7 +126,7 @@ def _prove(place: Deployment, size: Size, seed: int) -> None:
         place.look_after(lambda: not alone.is_alive(), 120)
         assert alone.error is None, alone.error
         assert reference[0]["state"] == "completed", reference[0]["problem"]
-        expected = _digest(customer, reference[0])
+        expected = customer.digest(reference[0])
         began_s = time.monotonic()
         runs = _disturb(place, size, seed)
         print(  # noqa: T201 - the figures of the proof
@@ -163,7 +136,7 @@ def _prove(place: Deployment, size: Size, seed: int) -> None:
         place.look_after(lambda: place.process_of("API") is not None, 30)
         for run in runs:
             assert run["state"] == "completed", run["problem"]
-            assert _digest(customer, run) == expected
+            assert customer.digest(run) == expected
         _assert_nothing_is_doubled_or_left(place, [*reference, *runs], size.n_frames)
 
 
