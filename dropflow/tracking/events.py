@@ -51,12 +51,15 @@ class Kind(StrEnum):
     BIRTH = "birth"
     COALESCENCE = "coalescence"
     EXIT = "exit"
+    SHIFT = "shift"
+    """The camera moved by `x_px`, `y_px`; no trajectory is named."""
 
 
 class Cause(StrEnum):
     """Why a trajectory begins or ends."""
 
     COALESCENCE = "coalescence"
+    CAMERA = "camera"
     BORDER = "border"
     """It came from or went to where part of it is outside the frame."""
     HIDDEN = "hidden"
@@ -124,6 +127,13 @@ def events_of_step(
         for row, cause in zip(which.tolist(), causes, strict=True):
             rows.append(_row(seen, row, frame + 1, time_s, kind, cause, around.motion.pixel_size_um))
     return pa.Table.from_pylist(rows, schema=EVENTS)
+
+
+def row_of_shift(frame: int, time_s: float, shift_px: Column) -> pa.Table:
+    """The event that the camera moved before `frame`."""
+    x_px, y_px = (-shift_px).tolist()
+    row = {"frame": frame, "time_s": time_s, "kind": str(Kind.SHIFT), "cause": str(Cause.CAMERA)}
+    return pa.Table.from_pylist([{**row, "x_px": x_px, "y_px": y_px}], schema=EVENTS)
 
 
 def _causes(seen: Sightings, rows: Indices, place_px: Column, others: Indices, around: Surroundings) -> list[Cause]:

@@ -19,6 +19,9 @@ from dropflow.tracking.saving import load_columns, prefixed, save_columns, witho
 _LAG = 1
 """Steps before and after that take part: changes of the flow that are even in time cancel."""
 
+_MOST_JUMP_RMS = 0.5
+"""By which part of the flow's rms the median velocity may differ in steps that are taken together."""
+
 
 class ProbableFlows:
     """Regression over a few steps around each."""
@@ -55,11 +58,21 @@ class ProbableFlows:
 
     def _next(self) -> FlowField:
         centre = len(self._window) - self._n_after
-        around = self._window[max(centre - _LAG, 0) : centre + _LAG + 1]
-        field = self._field(self._window[centre], Observations.concatenate(around))
+        here = self._window[centre]
+        near = self._window[max(centre - _LAG, 0) : centre + _LAG + 1]
+        around = [step for step in near if step is here or not self._has_jumped(here, step)]
+        field = self._field(here, Observations.concatenate(around))
         self._n_after -= 1
         self._window = self._window[max(centre + 1 - _LAG, 0) :]
         return field
+
+    def _has_jumped(self, here: Observations, other: Observations) -> bool:
+        """Whether everything moves otherwise in another step, as when the camera was pushed in one of them."""
+        if self._flow.model is None or not len(here) or not len(other):
+            return False
+        across = np.median(other.across_um_s) - np.median(here.across_um_s)
+        along = np.median(other.along_um_s) - np.median(here.along_um_s)
+        return bool(np.hypot(across, along) > _MOST_JUMP_RMS * self._flow.model.spectrum.rms_um_s)
 
     def _field(self, here: Observations, around: Observations) -> FlowField:
         if self._flow.model is None and len(around):

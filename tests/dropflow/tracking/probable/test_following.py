@@ -95,9 +95,19 @@ def test_a_camera_that_is_pushed_loses_no_droplet(tmp_path: Path) -> None:
         for frame, droplets in enumerate(given.frames)
     ]
     moved = replace(given, frames=pushed)
-    precision, recall = link_scores(moved, read(tracked(moved, tmp_path)))
+    result = tracked(moved, tmp_path)
+    precision, recall = link_scores(moved, read(result))
     assert precision > 0.98
     assert recall > 0.9
+    (shift,) = (row for row in pq.read_table(result.events).to_pylist() if row["kind"] == "shift")
+    assert (shift["frame"], shift["cause"], shift["trajectory_id"]) == (5, "camera", None)
+    assert (shift["x_px"], shift["y_px"]) == pytest.approx((-55, 0), abs=3)
+
+
+def test_a_camera_at_rest_is_not_said_to_have_moved(tmp_path: Path) -> None:
+    """However the flow turns."""
+    given = film(flow=vortices(10, 300, drift_px_s=(10, 5)), n_frames=10, n_droplets=60, radius_error=0.02)
+    assert "shift" not in pq.read_table(tracked(given, tmp_path).events)["kind"].to_pylist()
 
 
 @pytest.mark.parametrize("n_false", [20, 120])
