@@ -2,8 +2,8 @@
 
     python -m benchmarks.detection [PART ...] [--frames 2] [--height 2058] [--width 2448] [--data DATA]
 
-PART is any of accuracy, grid, speed, scaling, processes, noise, gold (default: all; gold needs DATA, the folder with
-`bubbles_zerog_gold`).
+PART is any of accuracy, grid, speed, profile, scaling, processes, noise, gold (default: all). Gold needs DATA, the
+folder with `bubbles_zerog_gold`.
 """
 
 import argparse
@@ -13,7 +13,7 @@ from pathlib import Path
 for _library in ("OMP", "OPENBLAS", "MKL", "NUMBA"):
     os.environ.setdefault(f"{_library}_NUM_THREADS", "1")
 
-PARTS = ("accuracy", "grid", "speed", "scaling", "processes", "noise", "gold")
+PARTS = ("accuracy", "grid", "speed", "profile", "scaling", "processes", "noise", "gold")
 
 
 def main() -> None:
@@ -42,6 +42,8 @@ def run(parts: tuple[str, ...], given: argparse.Namespace) -> None:
         grid.grid()
     if "speed" in parts:
         speed.speed()
+    if "profile" in parts:
+        speed.profile()
     if "scaling" in parts:
         speed.scaling()
     if "processes" in parts:

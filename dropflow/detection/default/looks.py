@@ -28,7 +28,7 @@ SURE = 0.5
 DOUBTFUL = 0.1
 """Candidates of the first look below this are not looked at again."""
 _BATCH, _BATCH_PER_MPIXEL = 300, 140
-_LEAST_YIELD = 0.15
+_LEAST_YIELD = 0.06
 """Candidates are looked at in batches, those with most votes first, until less than this share of one is sure."""
 _MOST_BATCHES = 12
 _TRAINING_BATCHES = 3

@@ -1,4 +1,4 @@
-"""The paper's detection on real images: what `docs/explanation/real-images.md` says still holds."""
+"""Detection on real images: what `docs/explanation/real-images.md` says still holds."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ pytestmark = pytest.mark.data
 def test_dark_spots_in_water_are_found(real_data):
     with open_frames(real_data / "trackpy_bulk_water", Choice(grey_from=GreyFrom.LUMINANCE)) as frames:
         droplets = find(frames[0], tone="dark", radius_min_um=2.0, radius_max_um=14.0)
-    assert 300 < len(droplets) < 1000
+    assert 150 < len(droplets) < 400
     assert np.median(droplets.r_px) < 4
 
 
@@ -26,14 +26,16 @@ def test_round_bubbles_in_a_binarised_film_are_found(real_data):
         assert apart.min() < 0.15 * r
 
 
-def test_about_half_of_the_labelled_bubbles_of_a_quadrant_are_found(real_data):
+@pytest.mark.parametrize(("method", "least_recall", "most_found"), [("default", 0.55, 800), ("paper", 0.45, 2500)])
+def test_most_of_the_labelled_bubbles_of_a_quadrant_are_found(real_data, method, least_recall, most_found):
     folder = real_data / "bubbles_zerog_gold"
     name = "ZeroG_FlightDay_Test__C1S0004_IMG_S0001005070"
     labels = np.genfromtxt(folder / "circles.csv", delimiter=",", names=True, dtype=None, encoding="utf-8")
     true = labels[labels["image"] == name]
     with open_frames(folder / "frames" / f"{name}.png") as frames:
-        droplets = find(frames[0], tone="dark", radius_min_um=2.0, radius_max_um=80.0)
+        droplets = find(frames[0], method=method, tone="dark", radius_min_um=2.0, radius_max_um=80.0)
     apart = np.hypot(droplets.x_px[:, None] - true["cx_px"], droplets.y_px[:, None] - true["cy_px"]) / true["r_eq_px"]
     ratio = droplets.r_px[:, None] / true["r_eq_px"]
     is_found = ((apart < 0.3) & (ratio > 0.75) & (ratio < 1.33)).any(axis=0)
-    assert is_found.mean() > 0.45
+    assert is_found.mean() > least_recall
+    assert len(droplets) < most_found
