@@ -20,8 +20,8 @@ def analyse(
 ) -> None:
     """Detect and track the droplets of a film and compute the flow field.
 
-    Writes droplets.parquet (all detections), trajectories.parquet, rejected_trajectories.parquet, flow.zarr and
-    summary.json. Killed and started again, it goes on where it was.
+    Writes droplets.parquet (all detections), trajectories.parquet, rejected_trajectories.parquet, events.parquet
+    (births, exits, coalescences), flow.zarr and summary.json. Killed and started again, it goes on where it was.
 
     Example: `dropflow analyse frames/ --experiment experiment.yaml --output results/`
     """
