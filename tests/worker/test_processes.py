@@ -98,7 +98,7 @@ def _process_of(shard: Shard) -> int:
     return int(process)
 
 
-def _await(condition: Callable[[], bool], timeout_s: float = 30.0, pause_s: float = 0.1) -> None:
+def _await(condition: Callable[[], bool], timeout_s: float = 120.0, pause_s: float = 0.1) -> None:
     deadline = time.monotonic() + timeout_s
     while not condition():
         assert time.monotonic() < deadline
