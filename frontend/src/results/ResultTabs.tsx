@@ -9,6 +9,7 @@ const SizesTab = lazy(async () => ({ default: (await import("./SizesTab")).Sizes
 const TimeTab = lazy(async () => ({ default: (await import("./TimeTab")).TimeTab }));
 const FramesTab = lazy(async () => ({ default: (await import("./FramesTab")).FramesTab }));
 const FlowTab = lazy(async () => ({ default: (await import("./FlowTab")).FlowTab }));
+const FiguresTab = lazy(async () => ({ default: (await import("./FiguresTab")).FiguresTab }));
 const QualityTab = lazy(async () => ({ default: (await import("./QualityTab")).QualityTab }));
 const SummaryTab = lazy(async () => ({ default: (await import("./SummaryTab")).SummaryTab }));
 const FilesTab = lazy(async () => ({ default: (await import("./FilesTab")).FilesTab }));
@@ -19,6 +20,7 @@ const TAB_TITLES: Record<Tab, string> = {
   sizes: "Sizes",
   frames: "Droplets",
   flow: "Flow",
+  figures: "Figures",
   quality: "Quality",
   time: "Over time",
   summary: "Numbers and parameters",
@@ -52,6 +54,9 @@ export function ResultTabs({ run, experiment }: { run: Run; experiment: Experime
         </Tabs.Panel>
         <Tabs.Panel value="flow">
           {experiment ? <FlowTab run={run} experiment={experiment} /> : <Loading rows={1} height={420} />}
+        </Tabs.Panel>
+        <Tabs.Panel value="figures">
+          {experiment ? <FiguresTab run={run} experiment={experiment} /> : <Loading rows={1} height={420} />}
         </Tabs.Panel>
         <Tabs.Panel value="quality">
           <QualityTab run={run} />

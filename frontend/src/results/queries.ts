@@ -3,6 +3,7 @@ import {
   dropletsGet,
   type FigureName,
   figuresGet,
+  figuresList,
   flowGet,
   flowMapsGet,
   qualityGet,
@@ -13,6 +14,7 @@ import {
 } from "../client";
 import { ProblemError } from "../platform/problem";
 import { isActive } from "../runs/states";
+import type { Asked } from "./asked";
 import { type Availability, availability, stagesOf } from "./availability";
 import type { Range } from "./figure";
 
@@ -42,15 +44,24 @@ function freshness(available: Availability) {
   };
 }
 
-export function figureQuery(run: Run, name: FigureName) {
+export function figureQuery(run: Run, name: FigureName, query: Asked = {}) {
   const stages = stagesOf(name).map((stage) => availability(run, stage));
   const available = stages[0] ?? "none";
   return queryOptions({
-    queryKey: ["runs", run.id, "figures", name, stages],
+    queryKey: ["runs", run.id, "figures", name, stages, query],
     queryFn: ({ signal }) =>
-      orNotYet(available, () => figuresGet({ path: { run_id: run.id, name }, signal })),
+      orNotYet(available, () => figuresGet({ path: { run_id: run.id, name }, query, signal })),
     placeholderData: keepPreviousData,
     ...freshness(available),
+  });
+}
+
+/** Which figures there are for a run; it follows the run while it goes. */
+export function catalogueQuery(run: Run) {
+  return queryOptions({
+    queryKey: ["runs", run.id, "figures", run.stages.map(({ state }) => state)],
+    queryFn: async ({ signal }) => (await figuresList({ path: { run_id: run.id }, signal })).data.items,
+    placeholderData: keepPreviousData,
   });
 }
 

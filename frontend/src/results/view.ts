@@ -6,7 +6,7 @@ import { rangeFromText, rangeToText } from "./ranges";
 
 const route = getRouteApi("/runs/$runId");
 
-export const TABS = ["sizes", "frames", "flow", "time", "quality", "summary", "files"] as const;
+export const TABS = ["sizes", "frames", "flow", "time", "figures", "quality", "summary", "files"] as const;
 export type Tab = (typeof TABS)[number];
 
 export const LAYERS = [

@@ -1,0 +1,78 @@
+import { Anchor, Badge, Group, Text } from "@mantine/core";
+import { IconTableDown } from "@tabler/icons-react";
+import { useQuery } from "@tanstack/react-query";
+import type { FigureEntry, Run } from "../client";
+import { apiUrl } from "../platform/base";
+import { Panel } from "../platform/Panel";
+import { Prose } from "../platform/Prose";
+import { Loading, QueryView } from "../platform/QueryView";
+import { type Asked, askedOf, askedQuery } from "./asked";
+import type { Figure, RangeChange, Ranges } from "./figure";
+import { NotYet } from "./NotYet";
+import { Plot } from "./Plot";
+import { figureQuery } from "./queries";
+
+type FigureCardProps = {
+  run: Run;
+  entry: FigureEntry;
+  ranges: Ranges;
+  onRanges: (change: RangeChange) => void;
+  /** What is asked of it besides the shared ranges. */
+  more?: Asked;
+  height?: number;
+};
+
+/** One figure of the paper: how it is computed, drawn for the ranges that are looked at, its table to download. */
+export function FigureCard({ run, entry, ranges, onRanges, more, height = 420 }: FigureCardProps) {
+  const asked = { ...askedOf(entry, ranges), ...more };
+  const query = useQuery(figureQuery(run, entry.name, asked));
+  return (
+    <Panel
+      title={entry.title}
+      about={<Prose text={entry.how} />}
+      actions={
+        <Group gap="sm" wrap="nowrap">
+          {entry.paper && (
+            <Badge variant="default" tt="none" fw={500}>
+              {entry.paper}
+            </Badge>
+          )}
+          {entry.has_table && entry.is_available && (
+            <Anchor
+              fz="sm"
+              href={apiUrl(["runs", run.id, "figures", entry.name, "table.csv"], askedQuery(asked))}
+              download={`${entry.name}-run-${run.number}.csv`}
+            >
+              <Group gap={4} wrap="nowrap">
+                <IconTableDown size={16} aria-hidden />
+                Table
+              </Group>
+            </Anchor>
+          )}
+        </Group>
+      }
+    >
+      {entry.is_available ? (
+        <QueryView query={query} loading={<Loading rows={1} height={height} />}>
+          {(figure) =>
+            figure ? (
+              <Plot
+                figure={figure as unknown as Figure}
+                label={entry.title}
+                height={height}
+                ranges={ranges}
+                onRanges={onRanges}
+              />
+            ) : (
+              <NotYet run={run} />
+            )
+          }
+        </QueryView>
+      ) : (
+        <Text fz="sm" c="dimmed">
+          {entry.reason}
+        </Text>
+      )}
+    </Panel>
+  );
+}
