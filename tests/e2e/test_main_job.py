@@ -113,7 +113,7 @@ def test_the_page_gives_the_numbers_that_the_command_gives(page: Page, film: Pat
         )
         assert number(shown.inner_text()) == pytest.approx(summary["flow"][name], rel=FOUR_DIGITS)
 
-    for tab in ("Sizes", "Over time"):
+    for tab in ("Sizes", "Flow", "Over time", "Figures", "Quality"):
         page.get_by_role("tab", name=tab).click()
         expect(page.locator(".js-plotly-plot").first).to_be_visible()
         expect(page.get_by_role("alert")).to_have_count(0)
