@@ -27,6 +27,7 @@ from backend.platform.database import make_engine, make_sessions
 from backend.platform.dependencies import Platform
 from backend.platform.entity_tags import TaggedAnswers
 from backend.platform.events import Listener
+from backend.platform.harmless import HarmlessAnswers
 from backend.platform.logging import set_up_logging
 from backend.platform.measures import Measured, Measures
 from backend.platform.media import check_media
@@ -65,6 +66,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app = bare_app(_lifespan(settings))
     app.state.measures = Measures()
     app.add_middleware(TaggedAnswers)
+    app.add_middleware(HarmlessAnswers)
     app.add_middleware(BoundedBodies, max_bytes=settings.max_body_bytes)
     if settings.auth == "local":
         app.add_middleware(LocalOnly)

@@ -10,15 +10,17 @@ from backend.models import Experiment, Group, Invitation, Membership, Right
 from backend.platform.secrets import hashed
 from backend.platform.visibility import Viewer, governed_groups, visible_groups
 
+_OWN_FIRST = (Group.personal_of.is_(None), Group.created_at, Group.id)
+
 
 def groups(session: Session, viewer: Viewer) -> Sequence[Group]:
-    """The groups of this person, oldest first."""
-    return session.scalars(visible_groups(viewer).order_by(Group.created_at, Group.id)).all()
+    """The groups of this person, their own space first."""
+    return session.scalars(visible_groups(viewer).order_by(*_OWN_FIRST)).all()
 
 
 def governed(session: Session, viewer: Viewer) -> Sequence[Group]:
     """The same, and for an administrator all that people share."""
-    return session.scalars(governed_groups(viewer).order_by(Group.created_at, Group.id)).all()
+    return session.scalars(governed_groups(viewer).order_by(*_OWN_FIRST)).all()
 
 
 def find(session: Session, viewer: Viewer, group_id: UUID) -> Group | None:
@@ -52,6 +54,12 @@ def members(session: Session, group_id: UUID) -> Sequence[Membership]:
 def membership(session: Session, group_id: UUID, person_id: UUID) -> Membership | None:
     """One member."""
     return session.get(Membership, (person_id, group_id))
+
+
+def shared_by_name(session: Session, name: str) -> Group | None:
+    """The oldest group of this name that is nobody's own space."""
+    query = select(Group).where(Group.name == name, Group.personal_of.is_(None))
+    return session.scalar(query.order_by(Group.created_at, Group.id).limit(1))
 
 
 def has_experiments(session: Session, group_id: UUID) -> bool:

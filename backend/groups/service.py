@@ -154,6 +154,24 @@ def join(session: Session, group_id: UUID, person_id: UUID, right: Right) -> Non
     session.flush()
 
 
+def place(session: Session, name: str, person_id: UUID, right: Right | None) -> None:
+    """Have somebody in the group of this name with a right, or with none: as a provider of sign-ins says."""
+    group = repository.shared_by_name(session, name)
+    if group is None:
+        group = Group(name=name)
+        session.add(group)
+        session.flush()
+    member = repository.membership(session, group.id, person_id)
+    if right is None:
+        if member is not None:
+            session.delete(member)
+    elif member is None:
+        session.add(Membership(group_id=group.id, person_id=person_id, right=right))
+    else:
+        member.right = right
+    session.flush()
+
+
 def invitations(session: Session, viewer: Viewer, group_id: UUID) -> list[schemas.Invitation]:
     """The open invitations of a group."""
     get(session, viewer, group_id)

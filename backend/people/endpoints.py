@@ -1,24 +1,30 @@
 """/session, /account, /invitations and /people."""
 
 from http import HTTPStatus
+from typing import Annotated
 from uuid import UUID
 
-from fastapi import APIRouter, Request, Response
+from fastapi import APIRouter, Query, Request, Response
+from fastapi.responses import RedirectResponse
 
 from backend.groups import service as groups
 from backend.groups.errors import NoSuchInvitation
 from backend.groups.schemas import ShownInvitation, Welcome
-from backend.people import invitations, schemas, service, signing_in
+from backend.people import invitations, oidc, schemas, service, signing_in
 from backend.people.errors import (
     EmailTaken,
     LastAdministrator,
     LinkSpent,
+    LockedOut,
+    NoProvider,
     NoSuchPerson,
     NoSuchSession,
     WrongPassword,
     WrongSignIn,
 )
-from backend.platform.audit import address_of, tell
+from backend.people.oidc import ProviderAway, ProviderRefused
+from backend.people.provided import person_of
+from backend.platform.audit import address_of, tell, write
 from backend.platform.dependencies import (
     AdministratorDependency,
     AnybodyDependency,
@@ -80,6 +86,61 @@ def session_delete(
     """Sign out in this browser."""
     refuse_foreign_pages(platform.settings, request)
     signing_in.leave(session, platform.settings, request, response)
+
+
+def _leads_here(go_on: str) -> str:
+    """A path of ours, whatever was asked for: what follows our address cannot lead elsewhere."""
+    is_path = go_on.startswith("/") and not go_on.startswith(("//", "/\\")) and go_on.isprintable()
+    return go_on if is_path else "/"
+
+
+@session_router.get(
+    "/oidc",
+    status_code=HTTPStatus.FOUND,
+    response_class=RedirectResponse,
+    responses=responses(NoProvider, ProviderAway, ProviderRefused, TooOften, InvalidRequest),
+)
+def session_oidc(
+    request: Request,
+    platform: PlatformDependency,
+    go_on: Annotated[str, Query(alias="next", max_length=2000, description="Where to go on afterwards.")] = "/",
+) -> RedirectResponse:
+    """Send a browser to the provider of sign-ins."""
+    settings = platform.settings
+    if settings.oidc_issuer is None:
+        raise NoProvider
+    platform.rates.count("tries to sign in", address_of(request), settings.sign_ins_per_minute)
+    address, cookie = oidc.begin(settings, _leads_here(go_on))
+    answer = RedirectResponse(address, HTTPStatus.FOUND)
+    signing_in.keep(settings, answer, oidc.COOKIE, cookie, oidc.LASTS_S)
+    return answer
+
+
+@session_router.get(
+    "/oidc/callback",
+    status_code=HTTPStatus.FOUND,
+    response_class=RedirectResponse,
+    responses=responses(NoProvider, ProviderRefused, ProviderAway, LockedOut, EmailTaken, TooOften, InvalidRequest),
+)
+def session_oidc_callback(
+    request: Request,
+    session: SessionDependency,
+    platform: PlatformDependency,
+    state: Annotated[str | None, Query(max_length=2000)] = None,
+    code: Annotated[str | None, Query(max_length=4000)] = None,
+) -> RedirectResponse:
+    """Take a browser back from the provider, and sign its person in."""
+    settings = platform.settings
+    if settings.oidc_issuer is None:
+        raise NoProvider
+    platform.rates.count("tries to sign in", address_of(request), settings.sign_ins_per_minute)
+    claims, go_on = oidc.finish(settings, request.cookies.get(oidc.COOKIE), state, code)
+    answer = RedirectResponse(settings.address.rstrip("/") + _leads_here(go_on), HTTPStatus.FOUND)
+    person = person_of(session, settings, claims)
+    identity = signing_in.enter(session, settings, request, answer, person, schemas.Way.OIDC)
+    write(session, action="session_oidc", about={}, identity=identity, address=address_of(request))
+    answer.delete_cookie(oidc.COOKIE, path="/", secure=settings.is_https, httponly=True, samesite="lax")
+    return answer
 
 
 @account_router.get("")

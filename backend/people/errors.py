@@ -42,6 +42,22 @@ class LinkSpent(ServiceError):
         )
 
 
+class LockedOut(ServiceError):
+    """An administrator locked this account."""
+
+    status = HTTPStatus.FORBIDDEN
+
+    def __init__(self) -> None:
+        super().__init__("This account is locked.", code="session.locked_out", hint="Ask an administrator.")
+
+
+class NoProvider(NotFound):
+    """Nobody signs in elsewhere here."""
+
+    def __init__(self) -> None:
+        super().__init__("This service has no provider of sign-ins.", code="not_found.provider")
+
+
 class ShareExpired(ServiceError):
     """A link to a shared run does not work for ever."""
 

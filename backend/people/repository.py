@@ -21,6 +21,11 @@ def by_email(session: Session, email: str) -> Person | None:
     return session.scalar(select(Person).where(Person.email == email))
 
 
+def by_subject(session: Session, issuer: str, subject: str) -> Person | None:
+    """The person whom a provider calls so."""
+    return session.scalar(select(Person).filter_by(oidc_issuer=issuer, oidc_subject=subject))
+
+
 def everybody(session: Session) -> Sequence[Person]:
     """All people, by name."""
     return session.scalars(select(Person).order_by(func.lower(Person.name), Person.id)).all()

@@ -100,7 +100,7 @@ def look(session: Session, settings: Settings, identity: Identity | None) -> sch
         person=service.shown(person) if person else None,
         groups=own,
         ways=_ways(settings),
-        oidc_name=None,
+        oidc_name=settings.oidc_name if settings.oidc_issuer else None,
         is_local=settings.auth == "local",
         shared_run_id=shared.run_id if shared else None,
     )
@@ -109,7 +109,7 @@ def look(session: Session, settings: Settings, identity: Identity | None) -> sch
 def _ways(settings: Settings) -> list[schemas.Way]:
     if settings.auth == "local":
         return [schemas.Way.LINK]
-    return [schemas.Way.PASSWORD]
+    return [schemas.Way.PASSWORD, *([schemas.Way.OIDC] if settings.oidc_issuer else [])]
 
 
 def _printable(text: str) -> str:

@@ -47,6 +47,20 @@ class Settings(BaseSettings):
     """Where people reach the service, such as `https://droplets.example.org/`. AUTH=accounts needs it."""
     sign_ins_per_minute: Annotated[int, Field(ge=1)] = 20
     """Tries to sign in, from one address and with one e-mail address, before more are refused."""
+    oidc_issuer: str | None = None
+    """A provider of sign-ins (OpenID Connect) beside passwords, such as `https://login.example.org/realms/lab`."""
+    oidc_client_id: str | None = None
+    """What the provider knows this service as."""
+    oidc_client_secret: SecretStr | None = None
+    """The secret that belongs to it."""
+    oidc_scope: str = "openid email profile"
+    """What the provider is asked for."""
+    oidc_name: str = "your organisation"
+    """What the page calls the provider."""
+    oidc_groups_claim: str = "groups"
+    """The claim that says in which groups of the provider somebody is."""
+    oidc_groups: dict[str, str] = {}
+    """JSON: group of the provider to group and right here, such as `{"lab-foams": "Foams:edit"}`."""
     group_max_bytes: Annotated[int, Field(ge=0)] | None = None
     """Room for the frames and results of a group, unless an administrator gives it another; without it, no limit."""
     group_max_active_runs: Annotated[int, Field(ge=1)] | None = None
@@ -146,6 +160,18 @@ class Settings(BaseSettings):
             )
         if self.public_url is None:
             raise ValueError("AUTH=accounts needs PUBLIC_URL, the address at which people reach the service")
+        return self
+
+    @model_validator(mode="after")
+    def _provider_is_whole(self) -> "Settings":
+        if self.oidc_issuer is None:
+            return self
+        if self.auth != "accounts" or not self.oidc_client_id:
+            raise ValueError("OIDC_ISSUER needs AUTH=accounts and OIDC_CLIENT_ID")
+        for place in self.oidc_groups.values():
+            name, _, right = place.rpartition(":")
+            if not name or right not in ("view", "edit", "manage"):
+                raise ValueError(f"OIDC_GROUPS: {place!r} must be GROUP:view, GROUP:edit or GROUP:manage")
         return self
 
     @property

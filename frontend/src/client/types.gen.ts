@@ -7491,6 +7491,128 @@ export type SessionCreateResponses = {
 
 export type SessionCreateResponse = SessionCreateResponses[keyof SessionCreateResponses];
 
+export type SessionOidcData = {
+    body?: never;
+    path?: never;
+    query?: {
+        /**
+         * Next
+         *
+         * Where to go on afterwards.
+         */
+        next?: string;
+    };
+    url: '/api/v1/session/oidc';
+};
+
+export type SessionOidcErrors = {
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * Service Unavailable
+     */
+    503: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type SessionOidcError = SessionOidcErrors[keyof SessionOidcErrors];
+
+export type SessionOidcResponses = {
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type SessionOidcResponse = SessionOidcResponses[keyof SessionOidcResponses];
+
+export type SessionOidcCallbackData = {
+    body?: never;
+    path?: never;
+    query?: {
+        /**
+         * State
+         */
+        state?: string | null;
+        /**
+         * Code
+         */
+        code?: string | null;
+    };
+    url: '/api/v1/session/oidc/callback';
+};
+
+export type SessionOidcCallbackErrors = {
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Conflict
+     */
+    409: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * Service Unavailable
+     */
+    503: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type SessionOidcCallbackError = SessionOidcCallbackErrors[keyof SessionOidcCallbackErrors];
+
+export type SessionOidcCallbackResponses = {
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type SessionOidcCallbackResponse = SessionOidcCallbackResponses[keyof SessionOidcCallbackResponses];
+
 export type TokensListData = {
     body?: never;
     path?: never;

@@ -5,6 +5,7 @@ import { type FormEvent, useMemo, useRef, useState } from "react";
 import { experimentsCreate } from "../client";
 import { focusFirstInvalid } from "../forms/focus";
 import { type Field, fieldsOf, type JsonSchema } from "../forms/schema";
+import { GroupChoice } from "../groups/GroupChoice";
 import { plural } from "../platform/format";
 import { Page } from "../platform/Page";
 import { Panel } from "../platform/Panel";
@@ -42,6 +43,7 @@ function NewExperiment({ schema }: { schema: JsonSchema }) {
   const form = useRef<HTMLFormElement>(null);
   const draft = useDraft(fields);
   const { document, sorted } = draft;
+  const [groupId, setGroupId] = useState<string | null>(null);
   const [isChecked, setChecked] = useState(false);
   const create = useCreate();
   const problem = create.error ? toProblem(create.error) : null;
@@ -51,7 +53,10 @@ function NewExperiment({ schema }: { schema: JsonSchema }) {
     event.preventDefault();
     setChecked(true);
     if (Object.keys(checkDraft(fields, document, sorted)).length > 0) return focusFirstInvalid(form);
-    create.mutate({ document, items: itemsOf(sorted, document) }, { onError: () => focusFirstInvalid(form) });
+    create.mutate(
+      { document, groupId, items: itemsOf(sorted, document) },
+      { onError: () => focusFirstInvalid(form) },
+    );
   };
   const change = (next: typeof document) => {
     if (create.error) create.reset();
@@ -68,6 +73,7 @@ function NewExperiment({ schema }: { schema: JsonSchema }) {
                 {draft.notice}
               </Alert>
             )}
+            <GroupChoice value={groupId} onChange={setGroupId} />
             <ExperimentForm fields={fields} document={document} onChange={change} messages={messages} />
           </Panel>
         </Grid.Col>
@@ -109,14 +115,18 @@ function isShown(fields: Field[], path: string): boolean {
   return fields.some((field) => path === field.path || path.startsWith(`${field.path}.`));
 }
 
-type Creation = { document: Record<string, unknown>; items: ReturnType<typeof itemsOf> };
+type Creation = {
+  document: Record<string, unknown>;
+  groupId: string | null;
+  items: ReturnType<typeof itemsOf>;
+};
 
 function useCreate() {
   const cache = useQueryClient();
   const navigate = useNavigate();
   return useMutation({
-    mutationFn: async ({ document }: Creation) =>
-      (await experimentsCreate({ body: { experiment: document } })).data,
+    mutationFn: async ({ document, groupId }: Creation) =>
+      (await experimentsCreate({ body: { experiment: document, group_id: groupId } })).data,
     onSuccess: (experiment, { items }) => {
       cache.setQueryData(["experiments", experiment.id], experiment);
       void cache.invalidateQueries({ queryKey: ["experiments"], exact: true });

@@ -26,7 +26,8 @@ export function useSignIn() {
 export function useEnter() {
   const cache = useQueryClient();
   return (session: Session) => {
-    cache.clear();
+    // The question who is in stays the same one: whoever waits for its answer hears the new one.
+    cache.removeQueries({ predicate: ({ queryKey }) => queryKey[0] !== sessionQuery.queryKey[0] });
     cache.setQueryData(sessionQuery.queryKey, session);
   };
 }

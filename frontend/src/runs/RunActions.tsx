@@ -5,6 +5,7 @@ import { type Run, runsCancel, runsDelete, runsRetry } from "../client";
 import { ConfirmButton } from "../platform/ConfirmButton";
 import { ProblemAlert } from "../platform/ProblemAlert";
 import { toProblem } from "../platform/problem";
+import { ShareRun } from "./ShareRun";
 import { isActive } from "./states";
 
 /** What can be done with a run as a whole. */
@@ -54,6 +55,7 @@ export function RunActions({ run }: { run: Run }) {
           Its results are removed; the frames stay. This cannot be undone.
         </ConfirmButton>
       )}
+      <ShareRun runId={run.id} />
       {run.state === "failed" && (
         <Button loading={retry.isPending} onClick={() => retry.mutate()}>
           Try again
