@@ -3,7 +3,7 @@
 import runpy
 import sys
 
-BENCHMARKS = ("analyse", "lists")
+BENCHMARKS = ("analyse", "lists", "upload")
 
 
 def main() -> None:

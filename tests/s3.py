@@ -69,15 +69,14 @@ def failing_way(port: int, *, every: int = 10) -> Iterator[int]:
             if is_failing:
                 self._answer(503, {}, b"")
                 return
-            onward = http.client.HTTPConnection("127.0.0.1", port, timeout=30)
-            onward.request(self.command, self.path, content, dict(self.headers))
-            answer = onward.getresponse()
-            body = answer.read()
+            with closing(http.client.HTTPConnection("127.0.0.1", port, timeout=30)) as onward:
+                onward.request(self.command, self.path, content, dict(self.headers))
+                answer = onward.getresponse()
+                body = answer.read()
             left_out = {"transfer-encoding", "connection", "content-length"}
             headers = {name: value for name, value in answer.getheaders() if name.lower() not in left_out}
             length = answer.getheader("Content-Length") if self.command == "HEAD" else str(len(body))
             self._answer(answer.status, {**headers, "Content-Length": length or "0"}, body)
-            onward.close()
 
         def _answer(self, status: int, headers: dict[str, str], body: bytes) -> None:
             self.send_response_only(status)

@@ -95,6 +95,9 @@ def test_the_page_gives_the_numbers_that_the_command_gives(page: Page, film: Pat
     assert serious_findings(page) == []
 
     page.get_by_role("link", name="New run").first.click()
+    expect(page.get_by_role("button", name="Start the run")).to_be_disabled()
+    page.get_by_label("Order, times and scale are right").check()
+    assert serious_findings(page) == []
     page.get_by_role("button", name="Start the run").click()
     expect(page.get_by_text("completed", exact=True)).to_be_visible(timeout=2 * MINUTES)
     expect(page.get_by_role("heading", name="Run 1")).to_be_visible()

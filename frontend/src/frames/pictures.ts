@@ -35,7 +35,7 @@ export async function fetchPicture(url: string, signal?: AbortSignal): Promise<I
   return createImageBitmap(await answer.blob());
 }
 
-function pictureUrl({ experimentId, checksum }: FrameSource, frame: number, max_side: number): string {
+export function pictureUrl({ experimentId, checksum }: FrameSource, frame: number, max_side: number): string {
   const query = { max_side, v: checksum ?? undefined };
   return apiUrl(["experiments", experimentId, "frames", `${frame}.jpg`], query);
 }

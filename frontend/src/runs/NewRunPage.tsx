@@ -8,7 +8,9 @@ import { check } from "../forms/check";
 import { type Document, defaultsOf } from "../forms/document";
 import { focusFirstInvalid } from "../forms/focus";
 import { fieldsOf, type JsonSchema } from "../forms/schema";
+import { FirstLook } from "../frames/FirstLook";
 import { Page } from "../platform/Page";
+import { Panel } from "../platform/Panel";
 import { ProblemAlert } from "../platform/ProblemAlert";
 import { fieldMessages, toProblem } from "../platform/problem";
 import { Loading, QueryView } from "../platform/QueryView";
@@ -76,6 +78,8 @@ function NewRun({ experimentId, experiment, schema, begin, origin }: NewRunProps
   const defaults = useMemo(() => defaultsOf(fields), [fields]);
   const form = useRef<HTMLFormElement>(null);
   const [document, setDocument] = useState<Document>(begin ?? defaults);
+  const isFirst = experiment?.n_runs === 0;
+  const [isRight, setRight] = useState(false);
   const start = useStartRun(experimentId);
   const problem = start.error ? toProblem(start.error) : null;
   const messages = { ...fieldMessages(problem), ...check(fields, document) };
@@ -102,12 +106,17 @@ function NewRun({ experimentId, experiment, schema, begin, origin }: NewRunProps
             <Button variant="default" onClick={() => change(defaults)}>
               All to defaults
             </Button>
-            <Button type="submit" loading={start.isPending}>
+            <Button type="submit" loading={start.isPending} disabled={isFirst && !isRight}>
               Start the run
             </Button>
           </Group>
         </Group>
         {problem && <ProblemAlert problem={problem} title="The run was not started" />}
+        {experiment && isFirst && (
+          <Panel title="Is this your film?" about="Asked once, before the first run of these frames.">
+            <FirstLook experiment={experiment} isRight={isRight} onRight={setRight} />
+          </Panel>
+        )}
         <div className="tuning">
           {experiment && (
             <div className="stays-in-sight">
