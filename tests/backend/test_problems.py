@@ -155,3 +155,11 @@ def test_a_service_whose_database_is_not_migrated_says_what_to_do(settings: Sett
 
     with pytest.raises(RuntimeError, match="alembic upgrade head"):
         asyncio.run(start())
+
+
+def test_what_is_no_json_is_said_of_the_body_and_not_of_a_number(house: House) -> None:
+    answer = house.api.post("experiments", content='{"experiment": ', headers=JSON)
+    (found,) = answer.json()["errors"]
+    assert found["field"] == "body"
+    assert found["message"].startswith("is not JSON: ")
+    assert found["message"].endswith("at character 15")
