@@ -37,7 +37,6 @@ class Reception:
         self._platform, self._held, self._intake, self._checksum = platform, held, intake, checksum
         self._sum = hashlib.new(checksum.algorithm, usedforsecurity=False) if checksum else None
         self._written = self._safe = held.offset_bytes
-        self._told = self._told_bytes = 0.0
         self._saved_s = self._told_s = time.monotonic()
         self._growing = platform.store.grow(held.store_key, at_byte=held.offset_bytes, fence=held.fence)
 
@@ -113,15 +112,16 @@ async def receive(platform: Platform, held: Held, intake: Intake, checksum: Chec
         raise store_error(problem) from None
     is_whole = False
     try:
-        is_whole = await _pour(get, reception)
+        try:
+            is_whole = await _pour(get, reception)
+        finally:
+            with anyio.CancelScope(shield=True):
+                await run_in_threadpool(_end, reception, is_whole=is_whole)
     except WrongKind as problem:
         await run_in_threadpool(holding.refuse, platform, held, problem_of(problem))
         raise
     except (OSError, BaseError) as problem:
         raise store_error(problem) from None
-    finally:
-        with anyio.CancelScope(shield=True):
-            await run_in_threadpool(_end, reception, is_whole=is_whole)
     return reception.offset_bytes
 
 
