@@ -12,6 +12,7 @@ from pydantic import BaseModel
 from sqlalchemy.exc import OperationalError
 from sqlalchemy.exc import TimeoutError as PoolExhausted
 from starlette.exceptions import HTTPException
+from starlette.requests import ClientDisconnect
 
 from backend.platform.methods import allowed_methods
 from dropflow.errors import DropflowError, FieldProblem
@@ -129,14 +130,16 @@ def http_problem(error: HTTPException) -> Problem:
 
 def _invalid(_: Request, error: Exception) -> JSONResponse:
     assert isinstance(error, RequestValidationError)  # noqa: S101 - registered for this kind
-    fields = [
-        FieldProblem(
-            field=".".join(str(part) for part in found["loc"][1:]) or str(found["loc"][0]),
-            message=str(found["msg"]).removeprefix("Value error, "),
-        )
-        for found in error.errors()
-    ]
+    fields = [_field_problem(found) for found in error.errors()]
     return problem_response(problem_of(InvalidRequest("The request is not as expected.", fields=fields)))
+
+
+def _field_problem(found: Mapping[str, Any]) -> FieldProblem:
+    if found["type"] == "json_invalid":  # the place is a character's number then, no field
+        reason = found.get("ctx", {}).get("error", "malformed")
+        return FieldProblem("body", f"is not JSON: {reason} at character {found['loc'][-1]}")
+    path = ".".join(str(part) for part in found["loc"][1:]) or str(found["loc"][0])
+    return FieldProblem(path, str(found["msg"]).removeprefix("Value error, "))
 
 
 class InvalidRequest(ServiceError):
@@ -152,6 +155,15 @@ def _database_away(request: Request, error: Exception) -> JSONResponse:
     detail = "The database cannot be reached just now."
     problem = Problem(title=status.phrase, status=status, code="service.database_away", detail=detail)
     return problem_response(problem, {"Retry-After": "5"})
+
+
+def _sender_gone(request: Request, _: Exception) -> JSONResponse:
+    """Whoever sent this has broken off: nobody hears the answer, and nothing is wrong here."""
+    log.info("request broken off", path=request.url.path, method=request.method)
+    status = HTTPStatus.BAD_REQUEST
+    return problem_response(
+        Problem(title=status.phrase, status=status, code="request.broken_off", detail="The request was broken off.")
+    )
 
 
 def _bug(request: Request, error: Exception) -> JSONResponse:
@@ -178,6 +190,7 @@ _HANDLERS = {
     DropflowError: _expected,
     HTTPException: _http,
     RequestValidationError: _invalid,
+    ClientDisconnect: _sender_gone,
     OperationalError: _database_away,
     PoolExhausted: _database_away,
     Exception: _bug,

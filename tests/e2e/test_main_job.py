@@ -86,7 +86,7 @@ def test_the_page_gives_the_numbers_that_the_command_gives(page: Page, film: Pat
     page.get_by_role("link", name="New experiment").first.click()
     describe_film(page, "main job")
     page.get_by_label("Flat field file", exact=True).set_input_files(film / "flat_field.tif")
-    drop(page, "Drop a folder, images, a ZIP or a TIFF stack here", film / "frames")
+    drop(page, "Drop a folder, images, a film or a ZIP here", film / "frames")
     expect(page.get_by_text("7 files will be sent")).to_be_visible()
     assert serious_findings(page) == []
 
@@ -158,7 +158,7 @@ def test_frames_that_cannot_be_used_are_refused_with_the_file(page: Page, film: 
     damaged.write_bytes(damaged.read_bytes()[:-1000])
     page.goto("experiments/new")
     describe_film(page, "with a damaged frame")
-    drop(page, "Drop a folder, images, a ZIP or a TIFF stack here", frames)
+    drop(page, "Drop a folder, images, a film or a ZIP here", frames)
     page.get_by_role("button", name="Create and upload").click()
     refusal = page.get_by_role("alert")
     expect(refusal).to_contain_text("These frames cannot be used", timeout=MINUTES)

@@ -6,6 +6,7 @@ import { ConfirmButton } from "../platform/ConfirmButton";
 import { formatBytes, formatCount, plural } from "../platform/format";
 import { Panel } from "../platform/Panel";
 import { ProblemAlert } from "../platform/ProblemAlert";
+import { MissingFiles } from "../uploads/MissingFiles";
 import { isRefused } from "../uploads/Upload";
 import { UploadProgress } from "../uploads/UploadProgress";
 import { forgetUpload, resumeUpload, stopUpload, useUpload } from "../uploads/uploads";
@@ -54,6 +55,7 @@ export function StackPanel({ experiment }: { experiment: Experiment }) {
           about={`${plural(stack.n_files, "file")} (${formatBytes(stack.size_bytes)}) arrived and stay. Drop the same folder again: only what is missing is sent.`}
           actions={<StartOver experiment={experiment} />}
         >
+          <MissingFiles experiment={experiment} />
           <AddFrames experiment={experiment} />
         </Panel>
       );

@@ -1,5 +1,5 @@
 import { infiniteQueryOptions, queryOptions } from "@tanstack/react-query";
-import { type Experiment, experimentsGet, experimentsList, filesList, schemasGetExperiment } from "../client";
+import { type Experiment, experimentsGet, experimentsList, schemasGetExperiment } from "../client";
 import { isActive } from "../runs/states";
 
 const PAGE = 50;
@@ -25,18 +25,6 @@ export const experimentSchemaQuery = queryOptions({
   queryFn: async ({ signal }) => (await schemasGetExperiment({ signal })).data,
   staleTime: Number.POSITIVE_INFINITY,
 });
-
-/** Every uploaded file, all pages of them. */
-export async function allFiles(experimentId: string, signal?: AbortSignal) {
-  const items = [];
-  let cursor: string | undefined;
-  do {
-    const { data } = await filesList({ path: { experiment_id: experimentId }, query: { cursor }, signal });
-    items.push(...data.items);
-    cursor = data.next_cursor ?? undefined;
-  } while (cursor);
-  return items;
-}
 
 /** Whether something goes on that this page should follow. */
 export function isChanging(experiment: Experiment): boolean {

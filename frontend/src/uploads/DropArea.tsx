@@ -39,11 +39,11 @@ export function DropArea({ onFound, hint }: { onFound: (found: Found[]) => void;
         <IconStack2 size={34} stroke={1.4} aria-hidden />
         <Text ta="center" fw={500}>
           {n_seen === null
-            ? "Drop a folder, images, a ZIP or a TIFF stack here"
+            ? "Drop a folder, images, a film or a ZIP here"
             : `Reading the folder: ${plural(n_seen, "file")}`}
         </Text>
         <Text ta="center" fz="sm" c="dimmed">
-          TIFF, PNG or JPEG, all of one size. {hint}
+          TIFF, PNG, JPEG or BMP; AVI, MP4 or MKV; HDF5, ND2; a Zarr as ZIP. {hint}
         </Text>
         <Group gap="xs" justify="center">
           <FileButton

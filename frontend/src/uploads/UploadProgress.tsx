@@ -1,34 +1,33 @@
-import { Button, Group, Progress, Stack, Text } from "@mantine/core";
+import { Progress as Bar, Button, Group, Stack, Text } from "@mantine/core";
 import type { ReactNode } from "react";
 import { formatBytes, formatCount, formatDuration, plural } from "../platform/format";
 import { ProblemAlert } from "../platform/ProblemAlert";
-import type { UploadState } from "./Upload";
+import type { Progress, UploadState } from "./Upload";
 
 const TITLES: Record<UploadState["phase"], string> = {
-  sending: "Sending",
-  closing: "All sent; telling the server",
-  done: "All sent",
+  sending: "Uploading",
+  closing: "All is there; telling the server",
+  done: "All is there",
   stopped: "Stopping",
   failed: "Stopped",
 };
 
 type UploadProgressProps = { upload: UploadState; onStop: () => void; actions?: ReactNode };
 
-/** The sending phase: bytes, rate, time left; or why it ended. */
+/** How files get to the server, phase by phase, as sums; or why it ended. */
 export function UploadProgress({ upload, onStop, actions }: UploadProgressProps) {
-  const percent = upload.total_bytes > 0 ? (100 * upload.sent_bytes) / upload.total_bytes : 0;
   if (upload.phase === "failed" && upload.problem) {
     return (
       <ProblemAlert
         problem={{ ...upload.problem, file: upload.problem.file ?? upload.refused }}
-        title={`The upload stopped after ${formatCount(upload.n_sent)} of ${plural(upload.n_files, "file")}`}
+        title={`The upload stopped: ${formatCount(upload.sent.n_files)} of ${plural(upload.n_files, "file")} arrived and stay`}
       >
         <Group gap="xs">{actions}</Group>
       </ProblemAlert>
     );
   }
   return (
-    <Stack gap={6}>
+    <Stack gap="sm">
       <Group justify="space-between" gap="xs">
         <Text fw={500} fz="sm">
           {TITLES[upload.phase]}
@@ -39,19 +38,55 @@ export function UploadProgress({ upload, onStop, actions }: UploadProgressProps)
           </Button>
         )}
       </Group>
-      <Progress.Root size="md">
-        <Progress.Section value={percent} aria-label="Sending" />
-      </Progress.Root>
-      <Text fz="sm" className="numbers" c="dimmed">
-        {formatBytes(upload.sent_bytes)} of {formatBytes(upload.total_bytes)}, {formatCount(upload.n_sent)} of{" "}
-        {plural(upload.n_files, "file")}
-        {upload.bytes_per_s !== null &&
-          upload.phase === "sending" &&
-          `, ${formatBytes(upload.bytes_per_s)}/s`}
-        {upload.seconds_left !== null && `, about ${formatDuration(Math.ceil(upload.seconds_left))} left`}
+      <Phase name="Sending" about="Only what is missing there." upload={upload} progress={upload.sent} />
+      <Phase
+        name="Verifying"
+        about="What arrived is compared with your files."
+        upload={upload}
+        progress={upload.verified}
+      />
+      <Text fz="sm" c="dimmed">
+        3. Indexing: then every frame is read once, to be sure that all can be analysed.
       </Text>
+      {upload.isWaiting && (
+        <Text fz="sm" role="status">
+          Another tab, computer or program is sending the same files. This one waits and goes on where that
+          one stops.
+        </Text>
+      )}
       <Text fz="xs" c="dimmed">
-        Keep this tab open while files are sent; other pages of it are fine.
+        Keep this tab open while files are sent; other pages of it are fine. Should it close, what arrived
+        stays: drop the same files again, here or on another computer, and only the rest is sent.
+      </Text>
+    </Stack>
+  );
+}
+
+type PhaseProps = { name: "Sending" | "Verifying"; about: string; upload: UploadState; progress: Progress };
+
+function Phase({ name, about, upload, progress }: PhaseProps) {
+  const percent = upload.total_bytes > 0 ? (100 * progress.n_bytes) / upload.total_bytes : 0;
+  const left = progress.seconds_left;
+  return (
+    <Stack gap={4}>
+      <Group gap={6} wrap="nowrap">
+        <Text fz="sm" fw={500}>
+          {name === "Sending" ? "1." : "2."} {name}
+        </Text>
+        <Text fz="xs" c="dimmed">
+          {about}
+        </Text>
+      </Group>
+      <Bar.Root size="md">
+        <Bar.Section value={percent} aria-label={name} color={name === "Sending" ? undefined : "teal"} />
+      </Bar.Root>
+      <Text fz="sm" className="numbers" c="dimmed">
+        {formatCount(progress.n_files)} of {plural(upload.n_files, "file")}, {formatBytes(progress.n_bytes)}{" "}
+        of {formatBytes(upload.total_bytes)}
+        {progress.bytes_per_s !== null &&
+          upload.phase === "sending" &&
+          `, ${formatBytes(progress.bytes_per_s)}/s`}
+        {left !== null && upload.phase === "sending" && `, about ${formatDuration(Math.ceil(left))} left`}
       </Text>
     </Stack>
   );

@@ -16,10 +16,4 @@ export class Rate {
     if (!first || !last || last.at_ms - first.at_ms < 500) return null;
     return Math.max(0, ((last.bytes - first.bytes) / (last.at_ms - first.at_ms)) * 1000);
   }
-
-  secondsLeft(total_bytes: number): number | null {
-    const speed = this.bytesPerSecond();
-    const last = this.samples.at(-1);
-    return speed && last ? Math.max(0, (total_bytes - last.bytes) / speed) : null;
-  }
 }

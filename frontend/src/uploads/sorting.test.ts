@@ -49,19 +49,20 @@ it("what systems leave in folders is passed over", () => {
   expect(sorted.left_out).toEqual([]);
 });
 
-it("files go under the names that the description gives, and those already there are not sent again", () => {
-  const document = { flat_field: "calibration/flat.tif" };
-  const sorted = sortFiles(found("x/flat.tif", "x/f1.tif", "x/f2.tif"), rolesIn(document));
-  const items = itemsOf(sorted, document, new Map([["x/f1.tif", 1]]));
-  expect(items.map(({ name, role }) => [name, role])).toEqual([
-    ["calibration/flat.tif", "flat_field"],
-    ["x/f2.tif", "frames"],
-  ]);
+it("every kind of film that the service reads counts as frames", () => {
+  const films = ["a.bmp", "a.avi", "a.MP4", "a.mkv", "a.h5", "a.nd2", "a.zip", "a.ome.tiff"];
+  expect(names(sortFiles(found(...films, "a.exe"), {}).frames)).toEqual(films);
 });
 
-it("a file of the same name but another size is sent again", () => {
-  const sorted = sortFiles(found("f1.tif"), {});
-  expect(itemsOf(sorted, {}, new Map([["f1.tif", 999]]))).toHaveLength(1);
+it("files go under the names that the description gives, before the frames", () => {
+  const document = { flat_field: "calibration/flat.tif" };
+  const sorted = sortFiles(found("x/flat.tif", "x/f1.tif", "x/f2.tif"), rolesIn(document));
+  const items = itemsOf(sorted, document);
+  expect(items.map(({ name, role }) => [name, role])).toEqual([
+    ["calibration/flat.tif", "flat_field"],
+    ["x/f1.tif", "frames"],
+    ["x/f2.tif", "frames"],
+  ]);
 });
 
 it("the ends of a list of names are those that people would count first and last", () => {

@@ -14,10 +14,10 @@ export type Sorted = {
   left_out: string[];
 };
 
-const FRAME = /\.(tiff?|png|jpe?g|zip)$/i;
+const FRAME = /\.(tiff?|png|jpe?g|bmp|zip|avi|mp4|m4v|mov|mkv|webm|h5|hdf5|mat|nd2)$/i;
 const DESCRIPTION = /(^|\/)experiment\.(ya?ml|json)$/i;
 /** A flat field that lies among the frames would be taken for one of them: its name says what it is. */
-const FLAT_FIELD = /^flat[-_ ]?field\.(tiff?|png|jpe?g)$/i;
+const FLAT_FIELD = /^flat[-_ ]?field\.(tiff?|png|jpe?g|bmp)$/i;
 /** Files that systems leave behind and nobody misses. */
 const LITTER = /(^|\/)(\.[^/]*|__MACOSX\/.*|Thumbs\.db|desktop\.ini)$/i;
 

@@ -1,9 +1,11 @@
 import { useSyncExternalStore } from "react";
-import { stackComplete } from "../client";
+import { stackComplete, uploadsGet, uploadsPlan } from "../client";
 import type { Document } from "../forms/document";
 import { apiUrl } from "../platform/base";
+import { sha256Of } from "./sha256";
 import { NAMED_ROLES, type Sorted } from "./sorting";
-import { type Item, Upload, type UploadState } from "./Upload";
+import { sendByTus } from "./tus";
+import { type Item, type Means, Upload, type UploadState } from "./Upload";
 
 /** Uploads that go on while the person looks at other pages, by experiment. */
 const uploads = new Map<string, Upload>();
@@ -13,38 +15,40 @@ function changed(): void {
   for (const listener of listeners) listener();
 }
 
-/**
- * Everything of `sorted` that is sent: first what the description names, under the name it gives, then the frames.
- * Files that the server has already, by name and size, are left out.
- */
-export function itemsOf(
-  sorted: Sorted,
-  document: Document,
-  already: ReadonlyMap<string, number> = new Map(),
-): Item[] {
+/** Everything of `sorted` that is to be there: what the description names, under the name it gives, and the frames. */
+export function itemsOf(sorted: Sorted, document: Document): Item[] {
   const named = NAMED_ROLES.flatMap((role) => {
     const [found, name] = [sorted.named[role], document[role]];
     return found && typeof name === "string" ? [{ file: found.file, name, role }] : [];
   });
   const frames = sorted.frames.map((found) => ({ ...found, role: "frames" as const }));
-  return [...named, ...frames].filter(({ file, name }) => already.get(name) !== file.size);
+  return [...named, ...frames];
 }
 
 /** Begin to send; the experiment's page shows how it goes. */
 export function startUpload(experimentId: string, items: Item[]): void {
   uploads.get(experimentId)?.stop();
-  const upload = new Upload(items, {
-    urlOf: ({ name, role }) => apiUrl(["experiments", experimentId, "files"], { name, role }),
-    close: () => stackComplete({ path: { experiment_id: experimentId } }),
-  });
+  const upload = new Upload(items, meansOf(experimentId));
   uploads.set(experimentId, upload);
   changed();
   void upload.run();
 }
 
-/** Send what a failed upload left over; a file that the server will never take is left out. */
+function meansOf(experimentId: string): Means {
+  const path = { experiment_id: experimentId };
+  return {
+    plan: async (files) => (await uploadsPlan({ path, body: { files } })).data,
+    send: (upload, content, tell) =>
+      sendByTus(apiUrl(["experiments", experimentId, "uploads", upload.id]), content, tell),
+    refusal: async ({ id }) => (await uploadsGet({ path: { ...path, upload_id: id } })).data.problem ?? null,
+    sha256: sha256Of,
+    close: () => stackComplete({ path }),
+  };
+}
+
+/** Go on with a failed upload; a file that the server will never take is left out. */
 export function resumeUpload(experimentId: string): void {
-  startUpload(experimentId, uploads.get(experimentId)?.unsent() ?? []);
+  startUpload(experimentId, uploads.get(experimentId)?.acceptable() ?? []);
 }
 
 export function forgetUpload(experimentId: string): void {
