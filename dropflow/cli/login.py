@@ -29,8 +29,12 @@ def login(
     token = os.environ.get("DROPFLOW_TOKEN")
     if token is None and not _lets_in(Server(url)):
         token = _asked_token(url)
-    if token is not None and not _lets_in(Server(url, token)):
-        raise ServerProblem("The server does not know this token.", status=401, code="client.wrong_token")
+    if token is not None and not (token and _lets_in(Server(url, token))):
+        message = (
+            "The server does not know this token." if token else "The server asks for a token, and none was given."
+        )
+        hint = f"Make one at {url}account; a service on this machine has one in its data folder (< data/token)."
+        raise ServerProblem(message, status=401, code="client.wrong_token", hint=hint)
     path = remember(Server(url, token))
     typer.echo(f"{url} is remembered in {path}.")
 
