@@ -167,9 +167,9 @@ def test_a_run_at_work_is_cancelled_within_seconds(machine: Machine) -> None:
 
 
 def test_a_worker_that_is_stopped_gives_its_shards_back_before_their_leases_end(machine: Machine) -> None:
-    run = machine.start(machine.experiment())
+    experiment = machine.experiment()
     machine.service.children["worker shards"].stop()
-    _await(lambda: bool(machine.shards(run, "detect")))
+    run = machine.start(experiment)
     extra = subprocess.Popen(
         [sys.executable, "-m", "celery", "-A", "worker.app", "worker", "-Q", "shards", "-c", "1", "-n", "extra@%h"],
         cwd=ROOT,
@@ -177,7 +177,7 @@ def test_a_worker_that_is_stopped_gives_its_shards_back_before_their_leases_end(
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
     )
-    _await(lambda: _is_at_work(machine, run), pause_s=0.02)
+    _await(lambda: _is_at_work(machine, run), timeout_s=90, pause_s=0.02)
     extra.terminate()
     assert extra.wait(timeout=20) is not None
     states = {shard.state for shard in machine.shards(run, "detect")}
