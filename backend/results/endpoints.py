@@ -10,8 +10,10 @@ from backend.platform import downloads
 from backend.platform.dependencies import PlatformDependency, SessionDependency, ViewerDependency
 from backend.platform.problems import InvalidRequest, responses
 from backend.results import service
-from backend.results.errors import NoTable, NotOfThisFilm, NotYet
+from backend.results.errors import ExportsBusy, NoTable, NotOfThisFilm, NotYet
+from backend.results.exporting import file_name
 from backend.results.schemas import (
+    Exports,
     Figure,
     FigureEntries,
     FigureName,
@@ -25,6 +27,7 @@ from backend.results.service import Asker
 from backend.runs.errors import NoSuchRun
 from backend.stacks.errors import StackNotReady
 from backend.stacks.pictures import read_frame
+from dropflow.exports.kinds import MEDIA_TYPE, Kind
 
 router = APIRouter(prefix="/runs/{run_id}", tags=["results"])
 
@@ -100,6 +103,51 @@ def droplets_get(
 def flow_get(platform: PlatformDependency, asker: AskerDependency, frame: FrameNumber) -> FrameFlow:
     """Get the flow between a frame and the next."""
     return service.flow(asker, platform.store, frame)
+
+
+@router.get(
+    "/report.html",
+    response_class=StreamingResponse,
+    responses={200: {"content": {"text/html": {}}, "description": "The page."}, **responses(NoSuchRun, NotYet)},
+)
+def report_get(platform: PlatformDependency, asker: AskerDependency) -> StreamingResponse:
+    """Get the report: one page with all figures, numbers, parameters, warnings and a methods paragraph."""
+    # The page draws with scripts of its own; it may ask nobody, and nobody's page may hold it.
+    policy = (
+        "default-src 'none'; script-src 'unsafe-inline' 'unsafe-eval'; style-src 'unsafe-inline'; "
+        "img-src data: blob:; sandbox allow-scripts allow-downloads"
+    )
+    headers = {"Content-Security-Policy": policy, "X-Content-Type-Options": "nosniff", "Cache-Control": "private"}
+    return StreamingResponse(
+        service.report(asker, platform.store), media_type="text/html; charset=utf-8", headers=headers
+    )
+
+
+@router.get("/exports", responses=responses(NoSuchRun, InvalidRequest))
+def exports_list(asker: AskerDependency) -> Exports:
+    """List the forms in which results can be had."""
+    return Exports(items=service.exports(asker))
+
+
+@router.get(
+    "/exports/{kind}",
+    response_class=Response,
+    responses={
+        200: {"content": {"application/octet-stream": {}}, "description": "The export."},
+        **downloads.RESPONSES,
+        **responses(NoSuchRun, NotYet, ExportsBusy, InvalidRequest),
+    },
+)
+def exports_get(request: Request, platform: PlatformDependency, asker: AskerDependency, kind: Kind) -> Response:
+    """Download results in another form; it is made while it is sent, and a download broken off begins anew."""
+    if kind is Kind.ZARR:
+        return downloads.answer(request, service.download(asker, platform.store, "flow.zarr.zip"))
+    content = service.export(asker, platform.store, kind, platform.settings.work_dir)
+    headers = {
+        "Content-Disposition": downloads.content_disposition(file_name(kind, asker.run().number)),
+        "X-Content-Type-Options": "nosniff",
+    }
+    return StreamingResponse(content, media_type=MEDIA_TYPE[kind], headers=headers)
 
 
 @router.get("/files", responses=responses(NoSuchRun, InvalidRequest))

@@ -1,6 +1,8 @@
 """What can be wrong about results."""
 
-from backend.platform.problems import NotFound
+from http import HTTPStatus
+
+from backend.platform.problems import NotFound, ServiceError
 
 
 class NotYet(NotFound):
@@ -17,6 +19,19 @@ class NoSuchResult(NotFound):
 
     def __init__(self) -> None:
         super().__init__("No run makes a result of this name.", code="not_found.result")
+
+
+class ExportsBusy(ServiceError):
+    """Exports take a process each, and there are as many as there may be."""
+
+    status = HTTPStatus.SERVICE_UNAVAILABLE
+
+    def __init__(self) -> None:
+        super().__init__(
+            "Other exports are being made.",
+            code="service.busy",
+            hint="Try again when they are through: a minute or so.",
+        )
 
 
 class NoTable(NotFound):

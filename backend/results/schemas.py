@@ -5,6 +5,7 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
+from dropflow.exports.kinds import Kind
 from dropflow.statistics.oscillations import Signal
 
 
@@ -146,6 +147,23 @@ class FrameFlow(BaseModel):
     v_um_s: list[list[float | None]]
     droplet_count: list[list[int]]
     is_interpolated: list[list[bool]]
+
+
+class Export(BaseModel):
+    """A form in which results can be had."""
+
+    kind: Kind
+    title: str
+    file_name: str
+    media_type: str
+    is_available: bool
+    """From when the analysis is complete; it is made while it is sent, so its size is not known before."""
+
+
+class Exports(BaseModel):
+    """All forms."""
+
+    items: list[Export]
 
 
 class ResultFile(BaseModel):

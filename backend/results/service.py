@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from pathlib import Path
 from uuid import UUID
 
 from sqlalchemy.orm import Session
@@ -12,19 +13,30 @@ from backend.platform.entity_tags import tag_of_bytes
 from backend.platform.object_store import ObjectStore
 from backend.platform.visibility import Viewer
 from backend.platform.zip_stream import part, zip_stream
-from backend.results import figures, film, frames, repository
+from backend.results import exporting, figures, film, frames, repository
 from backend.results.catalogue import checked, entries
 from backend.results.errors import NoSuchResult, NoTable, NotOfThisFilm, NotYet
-from backend.results.schemas import FigureEntry, FigureName, FigureQuery, FrameDroplets, FrameFlow, ResultFile, Which
+from backend.results.schemas import (
+    Export,
+    FigureEntry,
+    FigureName,
+    FigureQuery,
+    FrameDroplets,
+    FrameFlow,
+    ResultFile,
+    Which,
+)
 from backend.runs.service import get as get_run
+from dropflow.exports.kinds import MEDIA_TYPE, TITLE, Kind
 from dropflow.figures.catalogue import Entry, Needs
 from dropflow.figures.example import WORKING_PANELS
 from dropflow.frames import Frame
-from dropflow.statistics.condensed import Condensed
+from dropflow.statistics.condensed import STATISTICS_FILE, Condensed
 from dropflow.statistics.facts import FilmFacts
 from dropflow.statistics.findings import Findings
 
 ZIPPED_FOLDER = ".zarr.zip"
+REPORT_FILE = "report.html"
 
 
 @dataclass(frozen=True)
@@ -126,8 +138,9 @@ def _findings(asker: Asker, store: ObjectStore, entry: Entry, query: FigureQuery
 def _condensed(asker: Asker, store: ObjectStore, entry: Entry, facts: FilmFacts) -> Condensed:
     """What the analysis left, or while it is not complete what the stages before have counted."""
     done = asker.done()
-    if "analyse" in done:
-        return film.stored(store, asker.product("analyse"))
+    # Runs of the first version have left no statistics: of them there is what was counted while they went.
+    if "analyse" in done and _has(analysed := asker.product("analyse"), STATISTICS_FILE):
+        return film.stored(store, analysed)
     if entry.needs is not Needs.NOTHING and entry.needs not in done:
         raise NotYet
     session, viewer, run_id = asker.session, asker.viewer, asker.run_id
@@ -137,6 +150,40 @@ def _condensed(asker: Asker, store: ObjectStore, entry: Entry, facts: FilmFacts)
         tracked=lambda: repository.sizes(session, viewer, run_id, "track"),
         flow=lambda: repository.flow(session, viewer, run_id),
     )
+
+
+def exports(asker: Asker) -> list[Export]:
+    """The forms in which results can be had."""
+    run = asker.run()
+    is_available = "analyse" in asker.done()
+    return [
+        Export(
+            kind=kind,
+            title=TITLE[kind],
+            file_name=exporting.file_name(kind, run.number) + (".zip" if kind is Kind.ZARR else ""),
+            media_type=MEDIA_TYPE[kind],
+            is_available=is_available,
+        )
+        for kind in Kind
+    ]
+
+
+def export(asker: Asker, store: ObjectStore, kind: Kind, work_dir: Path) -> Iterator[bytes]:
+    """The bytes of an export, as they are made."""
+    analysed, tracked = asker.product("analyse"), asker.product("track")
+    return exporting.export(store, tracked, analysed, kind, work_dir)
+
+
+def report(asker: Asker, store: ObjectStore) -> Iterator[bytes]:
+    """The page that the analysis left."""
+    analysed = asker.product("analyse")
+    if not _has(analysed, REPORT_FILE):
+        raise NotYet
+    return store.stream(analysed.prefix + REPORT_FILE)
+
+
+def _has(product: Product, name: str) -> bool:
+    return any(file["name"] == name for file in product.files)
 
 
 def files(asker: Asker) -> list[ResultFile]:

@@ -35,3 +35,24 @@ SUFFIX = {
     Kind.ZARR: ".zarr",
 }
 """How the names of files of each kind end."""
+
+MEDIA_TYPE = {
+    Kind.CSV: "text/csv",
+    Kind.PARQUET: "application/vnd.apache.parquet",
+    Kind.HDF5: "application/x-hdf5",
+    Kind.TRACKMATE: "application/xml",
+    Kind.TRACKPY: "text/csv",
+    Kind.NAPARI: "text/csv",
+    Kind.NETCDF: "application/x-netcdf",
+    Kind.ZARR: "application/zip",
+}
+TITLE = {
+    Kind.CSV: "Trajectories as CSV",
+    Kind.PARQUET: "Trajectories as Parquet",
+    Kind.HDF5: "Droplets, trajectories and flow as HDF5",
+    Kind.TRACKMATE: "Trajectories as TrackMate XML",
+    Kind.TRACKPY: "Trajectories as trackpy and pandas take them",
+    Kind.NAPARI: "Trajectories as napari's tracks",
+    Kind.NETCDF: "Flow field as NetCDF",
+    Kind.ZARR: "Flow field as Zarr, zipped",
+}

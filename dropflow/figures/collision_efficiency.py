@@ -10,6 +10,9 @@ from dropflow.statistics.growth import collision_efficiency as efficiency_of
 
 Floats = npt.NDArray[np.float64]
 
+_WIDE = 100.0
+"""Ratio of the largest to the smallest value from which the axis is logarithmic."""
+
 
 def collision_efficiency(
     found: Growth,
@@ -36,6 +39,8 @@ def collision_efficiency(
     known = np.isfinite(share) & np.isfinite(error)
     if not known.any():
         return say_empty(figure, "no trajectory is long enough")
+    if (share[known] > 0).all() and share[known].max() > _WIDE * share[known].min():
+        figure.update_yaxes(type="log", exponentformat="power")
     return figure.add_scatter(
         x=found.rate.x[known],
         y=share[known],

@@ -34,14 +34,15 @@ def new_figure(title: str, caption: str = "", *, width_px: int = WIDTH_PX, heigh
     bottom_px = 70 + _CAPTION_LINE_PX * len(lines)
     figure = go.Figure(
         layout={
-            "title": {"text": title, "x": 0.02, "font": {"size": 15}},
+            # At the very top: a wide legend stands between it and the axes.
+            "title": {"text": title, "x": 0.02, "y": 1, "yanchor": "top", "pad": {"t": 10}, "font": {"size": 15}},
             "width": width_px,
             "height": height_px + _CAPTION_LINE_PX * len(lines),
             "font": {"family": "Helvetica, Arial, sans-serif", "size": 13, "color": "#000000"},
             "paper_bgcolor": "white",
             "plot_bgcolor": "white",
             "colorway": list(COLOURS),
-            "margin": {"l": 75, "r": 30, "t": 50, "b": bottom_px},
+            "margin": {"l": 75, "r": 30, "t": 66, "b": bottom_px},
             "legend": {"bgcolor": "rgba(255,255,255,0.8)", "bordercolor": "#999", "borderwidth": 1},
         }
     )

@@ -7,7 +7,7 @@ import numpy.typing as npt
 import plotly.graph_objects as go
 
 from dropflow.figures.layout import BLACK, BLUE, GREEN, PURPLE, SKY, VERMILION, new_figure, say_empty, time_axis
-from dropflow.statistics.oscillations import LATER_THEORY_EXPONENT, Oscillations, driving_group, period_law
+from dropflow.statistics.oscillations import LATER_THEORY_EXPONENT, Oscillations, PeriodLaw, driving_group, period_law
 
 Floats = npt.NDArray[np.float64]
 
@@ -82,12 +82,16 @@ def periods(
 
 
 def periods_against_driving(
-    experiments: Mapping[str, tuple[float, Floats]], *, title: str = "Period against driving", caption: str = ""
+    experiments: Mapping[str, tuple[float, Floats]],
+    *,
+    law: PeriodLaw | None = None,
+    title: str = "Period against driving",
+    caption: str = "",
 ) -> go.Figure:
     """All periods of several experiments against their driving parameter, with the fitted power law (Fig. 15).
 
-    `experiments` gives xi (1/s) and the periods (s) of each. The grey line has the exponent -3/7 of the field's later
-    theory, through the middle of the data.
+    `experiments` gives xi (1/s) and the periods (s) of each, `law` the fit where it was made already. The grey line
+    has the exponent -3/7 of the field's later theory, through the middle of the data.
     """
     figure = new_figure(title, caption)
     figure.update_xaxes(title_text="driving parameter ξ (s<sup>−1</sup>)", type="log", exponentformat="power")
@@ -102,7 +106,7 @@ def periods_against_driving(
         which = group == number
         marker = {"color": colour, "symbol": symbol, "size": 8}
         figure.add_scatter(x=driving[which], y=period_s[which], mode="markers", marker=marker, name=f"{name} s⁻¹")
-    law = period_law(driving, period_s)
+    law = law or period_law(driving, period_s)
     if np.isfinite(law.exponent):
         ends = np.array([driving.min(), driving.max()])
         error = f" ± {law.exponent_std:.2f}" if np.isfinite(law.exponent_std) else ""

@@ -17,6 +17,8 @@ Integers = npt.NDArray[np.int64]
 N_COLUMNS, N_ROWS = 8, 8
 N_SIGMA_WARNING = 3.0
 _LEAST_DEVIATION = 0.05
+_LEAST_TRAJECTORIES = 10
+"""The scatter between fewer says little of the standard error."""
 _M_PER_UM = 1e-6
 _ROWS_AT_ONCE = 1 << 18
 
@@ -50,7 +52,7 @@ class Calibration:
     def warning(self) -> str | None:
         """What to tell people when the material's value is more than three standard errors and 5 % away."""
         off = self.deviation
-        if not np.isfinite(off) or abs(off) <= N_SIGMA_WARNING:
+        if self.n_trajectories < _LEAST_TRAJECTORIES or not np.isfinite(off) or abs(off) <= N_SIGMA_WARNING:
             return None
         share = self.density_over_viscosity_s_m2 / self.expected_s_m2 if self.expected_s_m2 else np.inf
         if abs(share - 1) < _LEAST_DEVIATION:

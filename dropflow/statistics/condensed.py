@@ -4,7 +4,7 @@
 """
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
 from pathlib import Path
@@ -27,7 +27,7 @@ from dropflow.statistics.in_sight import InSight, in_sight
 from dropflow.statistics.lengths import ObservedDepth, observed_depth
 from dropflow.statistics.sedimentation import radius_scatter
 from dropflow.statistics.table_histograms import histograms_of_table
-from dropflow.statistics.trajectories import open_trajectories, summarise_trajectories
+from dropflow.statistics.trajectories import summarise_table
 
 Floats = npt.NDArray[np.float64]
 Columns = TypeVar("Columns")
@@ -39,6 +39,21 @@ STATISTICS_FILE = "statistics.npz"
 SUMMARY_FILE = "trajectory_summary.parquet"
 EVENTS_FILE = "coalescences.parquet"
 FILES = (STATISTICS_FILE, SUMMARY_FILE, EVENTS_FILE)
+
+STATISTICS_COLUMNS = (
+    "trajectory_id",
+    "first_frame",
+    "last_frame",
+    "n_frames",
+    "start_s",
+    "end_s",
+    "r_mean_um",
+    "r_std_um",
+    "growth_um_s",
+    "rise_um_s",
+    "sedimentation_um_s",
+)
+"""What figures need of the table of trajectories; the rest is not read for them."""
 
 N_RADIUS_BINS = 20
 _FALLBACK_RADIUS_STD = 0.05
@@ -172,7 +187,7 @@ def condense(
         progress("analyse", next(steps), _N_STEPS)
         return part
 
-    trajectories = done(summarise_trajectories(open_trajectories(table), experiment.up))
+    trajectories = done(summarise_table(table, experiment.up))
     detection = facts.parameters.detection
     fine_um = radius_edges_um(detection.radius_min_um, detection.radius_max_um)
     flow = done(flow_moments(flow_path, experiment.up))
@@ -309,7 +324,7 @@ class StoredCondensed:
     @cached_property
     def trajectories(self) -> pl.DataFrame:
         """One row a trajectory."""
-        return self._table(SUMMARY_FILE)
+        return self._table(SUMMARY_FILE, STATISTICS_COLUMNS)
 
     @cached_property
     def events(self) -> pl.DataFrame:
@@ -321,6 +336,6 @@ class StoredCondensed:
             values = {field.name: arrays[f"{part}.{field.name}"] for field in fields(kind)}  # type: ignore[arg-type]
         return kind(**{name: value if value.ndim else value.item() for name, value in values.items()})
 
-    def _table(self, name: str) -> pl.DataFrame:
+    def _table(self, name: str, columns: Sequence[str] | None = None) -> pl.DataFrame:
         with self._open(name) as file:
-            return pl.read_parquet(file)
+            return pl.read_parquet(file, columns=None if columns is None else list(columns))

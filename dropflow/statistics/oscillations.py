@@ -196,10 +196,13 @@ def driving_group(driving_per_s: Floats) -> npt.NDArray[np.int64]:
     return np.searchsorted(DRIVING_GROUPS_PER_S, driving_per_s, side="right").astype(np.int64)
 
 
-def period_law(driving_per_s: Floats, period_s: Floats) -> PeriodLaw:
+def period_law(
+    driving_per_s: Floats, period_s: Floats, *, experiment: npt.NDArray[np.int64] | None = None
+) -> PeriodLaw:
     """Least-squares exponent of the period against the driving over experiments, with its standard error.
 
-    NaN for fewer than two different drivings; the error needs three periods.
+    NaN for fewer than two different drivings; the error needs three periods, or with `experiment`, which says of each
+    period whose it is, three experiments: their periods may err together.
     """
     x, y = np.log(driving_per_s), np.log(period_s)
     spread = float(((x - x.mean()) ** 2).sum()) if len(x) else 0.0
@@ -208,4 +211,8 @@ def period_law(driving_per_s: Floats, period_s: Floats) -> PeriodLaw:
     exponent = float(((x - x.mean()) * (y - y.mean())).sum()) / spread
     residual = y - y.mean() - exponent * (x - x.mean())
     error = float(np.sqrt((residual**2).sum() / (len(x) - 2) / spread)) if len(x) > 2 else np.nan
+    if experiment is not None:
+        pulls = np.bincount(experiment, (x - x.mean()) * residual)
+        n = len(np.unique(experiment))
+        error = float(np.sqrt((pulls**2).sum() * n / (n - 2)) / spread) if n > 2 else np.nan
     return PeriodLaw(exponent, error, float(np.exp(y.mean() - exponent * x.mean())))

@@ -74,7 +74,17 @@ def statistics_of(found: Findings) -> dict[str, Any]:
         "n_oscillations": len(found.oscillations.peak_s),
         "n_uncertain_oscillations": int((~found.oscillations.is_certain).sum()),
         "n_coalescences": len(found.events),
+        "periods": _periods(found),
     }
+
+
+def _periods(found: Findings) -> list[dict[str, float | bool]]:
+    of = found.oscillations
+    columns = (of.period_at_s, of.period_s, of.period_std_s, of.is_period_certain)
+    return [
+        {"at_s": float(at), "period_s": float(period), "period_std_s": float(std), "is_certain": bool(certain)}
+        for at, period, std, certain in zip(*columns, strict=True)
+    ]
 
 
 def _sizes(table: pq.ParquetFile, n_frames: int) -> dict[str, float | int | None]:

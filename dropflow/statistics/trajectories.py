@@ -1,8 +1,10 @@
 """One row a trajectory, from ``trajectories.parquet``: what all statistics of single droplets start from."""
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import polars as pl
+import pyarrow.parquet as pq
 
 from dropflow.errors import ResultsError
 
@@ -40,6 +42,8 @@ one frame after its last, by its last velocity.
 """
 
 _FRAMES_AT_ENDS = 3
+_ROWS_AT_ONCE = 1 << 19
+_NEEDED = ["trajectory_id", "frame", "time_s", "x_um", "y_um", "r_um", "u_um_s", "v_um_s", "sedimentation_um_s"]
 
 
 def summarise_trajectories(rows: pl.LazyFrame, up: Direction = (0.0, -1.0)) -> pl.DataFrame:
@@ -79,6 +83,34 @@ def summarise_trajectories(rows: pl.LazyFrame, up: Direction = (0.0, -1.0)) -> p
         .collect(engine="streaming")
     )
     return _finished(condensed, up).sort("trajectory_id").select(*COLUMNS).cast(COLUMNS)  # type: ignore[arg-type]
+
+
+def summarise_table(path: Path, up: Direction = (0.0, -1.0)) -> pl.DataFrame:
+    """As `summarise_trajectories`, from the file: some row groups are in memory at a time, whatever its length.
+
+    Raises
+    ------
+    ResultsError
+        The file is missing, or another table.
+    """
+    open_trajectories(path)  # what is wrong with it
+    parts = [summarise_trajectories(rows.lazy(), up) for rows in _whole_trajectories(path)]
+    return pl.concat(parts) if parts else pl.DataFrame(schema=COLUMNS)
+
+
+def _whole_trajectories(path: Path) -> Iterator[pl.DataFrame]:
+    """Rows in batches that end with a trajectory."""
+    left: pl.DataFrame | None = None
+    with pq.ParquetFile(path) as table:
+        for batch in table.iter_batches(_ROWS_AT_ONCE, columns=_NEEDED):
+            rows = pl.DataFrame(batch)
+            rows = rows if left is None else pl.concat([left, rows])
+            is_last = rows["trajectory_id"] == rows["trajectory_id"][-1]
+            left = rows.filter(is_last)
+            if len(left) < len(rows):
+                yield rows.filter(~is_last)
+    if left is not None:
+        yield left
 
 
 def _finished(condensed: pl.DataFrame, up: Direction) -> pl.DataFrame:

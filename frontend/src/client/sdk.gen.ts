@@ -2,7 +2,7 @@
 
 import type { Client, Options as Options2, TDataShape } from './client';
 import { client } from './client.gen';
-import type { AccountEndSessionData, AccountEndSessionErrors, AccountEndSessionResponses, AccountGetData, AccountGetErrors, AccountGetResponses, AccountPasswordData, AccountPasswordErrors, AccountPasswordResponses, AccountSessionsData, AccountSessionsErrors, AccountSessionsResponses, AccountUpdateData, AccountUpdateErrors, AccountUpdateResponses, AdministrationGetData, AdministrationGetErrors, AdministrationGetResponses, AuditListData, AuditListErrors, AuditListResponses, DropletsGetData, DropletsGetErrors, DropletsGetResponses, ExperimentsCreateData, ExperimentsCreateErrors, ExperimentsCreateResponses, ExperimentsDeleteData, ExperimentsDeleteErrors, ExperimentsDeleteResponses, ExperimentsEventsData, ExperimentsEventsErrors, ExperimentsEventsResponses, ExperimentsGetData, ExperimentsGetErrors, ExperimentsGetResponses, ExperimentsListData, ExperimentsListErrors, ExperimentsListResponses, ExperimentsUpdateData, ExperimentsUpdateErrors, ExperimentsUpdateResponses, FiguresGetData, FiguresGetErrors, FiguresGetResponses, FiguresListData, FiguresListErrors, FiguresListResponses, FiguresTableData, FiguresTableErrors, FiguresTableResponses, FilesDownloadData, FilesDownloadErrors, FilesDownloadResponses, FilesListData, FilesListErrors, FilesListResponses, FilesUploadData, FilesUploadErrors, FilesUploadResponses, FlowGetData, FlowGetErrors, FlowGetResponses, FlowMapsGetData, FlowMapsGetErrors, FlowMapsGetResponses, FramesPictureData, FramesPictureErrors, FramesPictureResponses, GroupsCreateData, GroupsCreateErrors, GroupsCreateResponses, GroupsDeleteData, GroupsDeleteErrors, GroupsDeleteResponses, GroupsGetData, GroupsGetErrors, GroupsGetResponses, GroupsLimitData, GroupsLimitErrors, GroupsLimitResponses, GroupsListData, GroupsListErrors, GroupsListResponses, GroupsUpdateData, GroupsUpdateErrors, GroupsUpdateResponses, HealthGetData, HealthGetErrors, HealthGetResponses, InvitationsAcceptData, InvitationsAcceptErrors, InvitationsAcceptResponses, InvitationsCreateData, InvitationsCreateErrors, InvitationsCreateResponses, InvitationsDeleteData, InvitationsDeleteErrors, InvitationsDeleteResponses, InvitationsListData, InvitationsListErrors, InvitationsListResponses, InvitationsLookData, InvitationsLookErrors, InvitationsLookResponses, LinkPreviewsCreateData, LinkPreviewsCreateErrors, LinkPreviewsCreateResponses, MaterialsGetData, MaterialsGetErrors, MaterialsGetPhaseDiagramData, MaterialsGetPhaseDiagramErrors, MaterialsGetPhaseDiagramResponses, MaterialsGetResponses, MaterialsGetViscosityData, MaterialsGetViscosityErrors, MaterialsGetViscosityResponses, MaterialsListData, MaterialsListErrors, MaterialsListResponses, MembersListData, MembersListErrors, MembersListResponses, MembersRemoveData, MembersRemoveErrors, MembersRemoveResponses, MembersSetData, MembersSetErrors, MembersSetResponses, PeopleCreateData, PeopleCreateErrors, PeopleCreateResponses, PeopleLinkData, PeopleLinkErrors, PeopleLinkResponses, PeopleListData, PeopleListErrors, PeopleListResponses, PeopleUpdateData, PeopleUpdateErrors, PeopleUpdateResponses, PreviewsCreateData, PreviewsCreateErrors, PreviewsCreateResponses, QualityGetData, QualityGetErrors, QualityGetResponses, RampsDownloadData, RampsDownloadErrors, RampsDownloadResponses, RampsGetData, RampsGetErrors, RampsGetResponses, ResultFilesDownloadData, ResultFilesDownloadErrors, ResultFilesDownloadResponses, ResultFilesListData, ResultFilesListErrors, ResultFilesListResponses, RunsCancelData, RunsCancelErrors, RunsCancelResponses, RunsCreateData, RunsCreateErrors, RunsCreateResponses, RunsDeleteData, RunsDeleteErrors, RunsDeleteResponses, RunsEventsData, RunsEventsErrors, RunsEventsResponses, RunsGetData, RunsGetErrors, RunsGetResponses, RunsGetReuseData, RunsGetReuseErrors, RunsGetReuseResponses, RunsListAllData, RunsListAllErrors, RunsListAllResponses, RunsListData, RunsListErrors, RunsListResponses, RunsRetryData, RunsRetryErrors, RunsRetryResponses, SchemasGetExperimentData, SchemasGetExperimentErrors, SchemasGetExperimentResponses, SchemasGetParametersData, SchemasGetParametersErrors, SchemasGetParametersResponses, SessionCreateData, SessionCreateErrors, SessionCreateResponses, SessionDeleteData, SessionDeleteErrors, SessionDeleteResponses, SessionGetData, SessionGetErrors, SessionGetResponses, SessionOidcCallbackData, SessionOidcCallbackErrors, SessionOidcCallbackResponses, SessionOidcData, SessionOidcErrors, SessionOidcResponses, SharesCreateData, SharesCreateErrors, SharesCreateResponses, SharesDeleteData, SharesDeleteErrors, SharesDeleteResponses, SharesListData, SharesListErrors, SharesListResponses, StackCompleteData, StackCompleteErrors, StackCompleteResponses, StackDeleteData, StackDeleteErrors, StackDeleteResponses, TailsGetData, TailsGetErrors, TailsGetResponses, TokensCreateData, TokensCreateErrors, TokensCreateResponses, TokensListData, TokensListErrors, TokensListResponses, TokensRevokeData, TokensRevokeErrors, TokensRevokeResponses, TrajectoriesGetData, TrajectoriesGetErrors, TrajectoriesGetResponses, UploadsCreateData, UploadsCreateErrors, UploadsCreateResponses, UploadsGetData, UploadsGetErrors, UploadsGetResponses, UploadsListData, UploadsListErrors, UploadsListResponses, UploadsOffsetData, UploadsOffsetErrors, UploadsOffsetResponses, UploadsPlanData, UploadsPlanErrors, UploadsPlanResponses, UploadsSendData, UploadsSendErrors, UploadsSendResponses, UploadsTerminateData, UploadsTerminateErrors, UploadsTerminateResponses } from './types.gen';
+import type { AccountEndSessionData, AccountEndSessionErrors, AccountEndSessionResponses, AccountGetData, AccountGetErrors, AccountGetResponses, AccountPasswordData, AccountPasswordErrors, AccountPasswordResponses, AccountSessionsData, AccountSessionsErrors, AccountSessionsResponses, AccountUpdateData, AccountUpdateErrors, AccountUpdateResponses, AdministrationGetData, AdministrationGetErrors, AdministrationGetResponses, AuditListData, AuditListErrors, AuditListResponses, DropletsGetData, DropletsGetErrors, DropletsGetResponses, ExperimentsCreateData, ExperimentsCreateErrors, ExperimentsCreateResponses, ExperimentsDeleteData, ExperimentsDeleteErrors, ExperimentsDeleteResponses, ExperimentsEventsData, ExperimentsEventsErrors, ExperimentsEventsResponses, ExperimentsGetData, ExperimentsGetErrors, ExperimentsGetResponses, ExperimentsListData, ExperimentsListErrors, ExperimentsListResponses, ExperimentsUpdateData, ExperimentsUpdateErrors, ExperimentsUpdateResponses, ExportsGetData, ExportsGetErrors, ExportsGetResponses, ExportsListData, ExportsListErrors, ExportsListResponses, FiguresGetData, FiguresGetErrors, FiguresGetResponses, FiguresListData, FiguresListErrors, FiguresListResponses, FiguresTableData, FiguresTableErrors, FiguresTableResponses, FilesDownloadData, FilesDownloadErrors, FilesDownloadResponses, FilesListData, FilesListErrors, FilesListResponses, FilesUploadData, FilesUploadErrors, FilesUploadResponses, FlowGetData, FlowGetErrors, FlowGetResponses, FlowMapsGetData, FlowMapsGetErrors, FlowMapsGetResponses, FramesPictureData, FramesPictureErrors, FramesPictureResponses, GroupsCreateData, GroupsCreateErrors, GroupsCreateResponses, GroupsDeleteData, GroupsDeleteErrors, GroupsDeleteResponses, GroupsGetData, GroupsGetErrors, GroupsGetResponses, GroupsLimitData, GroupsLimitErrors, GroupsLimitResponses, GroupsListData, GroupsListErrors, GroupsListResponses, GroupsUpdateData, GroupsUpdateErrors, GroupsUpdateResponses, HealthGetData, HealthGetErrors, HealthGetResponses, InvitationsAcceptData, InvitationsAcceptErrors, InvitationsAcceptResponses, InvitationsCreateData, InvitationsCreateErrors, InvitationsCreateResponses, InvitationsDeleteData, InvitationsDeleteErrors, InvitationsDeleteResponses, InvitationsListData, InvitationsListErrors, InvitationsListResponses, InvitationsLookData, InvitationsLookErrors, InvitationsLookResponses, LinkPreviewsCreateData, LinkPreviewsCreateErrors, LinkPreviewsCreateResponses, MaterialsGetData, MaterialsGetErrors, MaterialsGetPhaseDiagramData, MaterialsGetPhaseDiagramErrors, MaterialsGetPhaseDiagramResponses, MaterialsGetResponses, MaterialsGetViscosityData, MaterialsGetViscosityErrors, MaterialsGetViscosityResponses, MaterialsListData, MaterialsListErrors, MaterialsListResponses, MembersListData, MembersListErrors, MembersListResponses, MembersRemoveData, MembersRemoveErrors, MembersRemoveResponses, MembersSetData, MembersSetErrors, MembersSetResponses, PeopleCreateData, PeopleCreateErrors, PeopleCreateResponses, PeopleLinkData, PeopleLinkErrors, PeopleLinkResponses, PeopleListData, PeopleListErrors, PeopleListResponses, PeopleUpdateData, PeopleUpdateErrors, PeopleUpdateResponses, PreviewsCreateData, PreviewsCreateErrors, PreviewsCreateResponses, QualityGetData, QualityGetErrors, QualityGetResponses, RampsDownloadData, RampsDownloadErrors, RampsDownloadResponses, RampsGetData, RampsGetErrors, RampsGetResponses, ReportGetData, ReportGetErrors, ReportGetResponses, ResultFilesDownloadData, ResultFilesDownloadErrors, ResultFilesDownloadResponses, ResultFilesListData, ResultFilesListErrors, ResultFilesListResponses, RunsCancelData, RunsCancelErrors, RunsCancelResponses, RunsCreateData, RunsCreateErrors, RunsCreateResponses, RunsDeleteData, RunsDeleteErrors, RunsDeleteResponses, RunsEventsData, RunsEventsErrors, RunsEventsResponses, RunsGetData, RunsGetErrors, RunsGetResponses, RunsGetReuseData, RunsGetReuseErrors, RunsGetReuseResponses, RunsListAllData, RunsListAllErrors, RunsListAllResponses, RunsListData, RunsListErrors, RunsListResponses, RunsRetryData, RunsRetryErrors, RunsRetryResponses, SchemasGetExperimentData, SchemasGetExperimentErrors, SchemasGetExperimentResponses, SchemasGetParametersData, SchemasGetParametersErrors, SchemasGetParametersResponses, SessionCreateData, SessionCreateErrors, SessionCreateResponses, SessionDeleteData, SessionDeleteErrors, SessionDeleteResponses, SessionGetData, SessionGetErrors, SessionGetResponses, SessionOidcCallbackData, SessionOidcCallbackErrors, SessionOidcCallbackResponses, SessionOidcData, SessionOidcErrors, SessionOidcResponses, SharesCreateData, SharesCreateErrors, SharesCreateResponses, SharesDeleteData, SharesDeleteErrors, SharesDeleteResponses, SharesListData, SharesListErrors, SharesListResponses, StackCompleteData, StackCompleteErrors, StackCompleteResponses, StackDeleteData, StackDeleteErrors, StackDeleteResponses, TailsGetData, TailsGetErrors, TailsGetResponses, TokensCreateData, TokensCreateErrors, TokensCreateResponses, TokensListData, TokensListErrors, TokensListResponses, TokensRevokeData, TokensRevokeErrors, TokensRevokeResponses, TrajectoriesGetData, TrajectoriesGetErrors, TrajectoriesGetResponses, UploadsCreateData, UploadsCreateErrors, UploadsCreateResponses, UploadsGetData, UploadsGetErrors, UploadsGetResponses, UploadsListData, UploadsListErrors, UploadsListResponses, UploadsOffsetData, UploadsOffsetErrors, UploadsOffsetResponses, UploadsPlanData, UploadsPlanErrors, UploadsPlanResponses, UploadsSendData, UploadsSendErrors, UploadsSendResponses, UploadsTerminateData, UploadsTerminateErrors, UploadsTerminateResponses } from './types.gen';
 
 export type Options<TData extends TDataShape = TDataShape, ThrowOnError extends boolean = boolean, TResponse = unknown> = Options2<TData, ThrowOnError, TResponse> & {
     /**
@@ -984,6 +984,36 @@ export const runsEvents = <ThrowOnError extends boolean = true>(options: Options
 });
 
 /**
+ * Exports List
+ *
+ * List the forms in which results can be had.
+ */
+export const exportsList = <ThrowOnError extends boolean = true>(options: Options<ExportsListData, ThrowOnError>) => (options.client ?? client).get<ExportsListResponses, ExportsListErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/runs/{run_id}/exports',
+    ...options
+});
+
+/**
+ * Exports Get
+ *
+ * Download results in another form; it is made while it is sent, and a download broken off begins anew.
+ */
+export const exportsGet = <ThrowOnError extends boolean = true>(options: Options<ExportsGetData, ThrowOnError>) => (options.client ?? client).get<ExportsGetResponses, ExportsGetErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/runs/{run_id}/exports/{kind}',
+    ...options
+});
+
+/**
  * Figures List
  *
  * List the figures: what each shows, what it can be asked, and whether it is there by now.
@@ -1130,6 +1160,21 @@ export const qualityGet = <ThrowOnError extends boolean = true>(options: Options
             type: 'apiKey'
         }, { scheme: 'bearer', type: 'http' }],
     url: '/api/v1/runs/{run_id}/quality',
+    ...options
+});
+
+/**
+ * Report Get
+ *
+ * Get the report: one page with all figures, numbers, parameters, warnings and a methods paragraph.
+ */
+export const reportGet = <ThrowOnError extends boolean = true>(options: Options<ReportGetData, ThrowOnError>) => (options.client ?? client).get<ReportGetResponses, ReportGetErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/runs/{run_id}/report.html',
     ...options
 });
 

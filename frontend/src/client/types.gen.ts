@@ -268,6 +268,43 @@ export type Experiments = {
 };
 
 /**
+ * Export
+ *
+ * A form in which results can be had.
+ */
+export type Export = {
+    /**
+     * File Name
+     */
+    file_name: string;
+    /**
+     * Is Available
+     */
+    is_available: boolean;
+    kind: Kind;
+    /**
+     * Media Type
+     */
+    media_type: string;
+    /**
+     * Title
+     */
+    title: string;
+};
+
+/**
+ * Exports
+ *
+ * All forms.
+ */
+export type Exports = {
+    /**
+     * Items
+     */
+    items: Array<Export>;
+};
+
+/**
  * FieldError
  *
  * What is wrong with one field.
@@ -640,6 +677,16 @@ export type Groups = {
 };
 
 /**
+ * HTTPValidationError
+ */
+export type HttpValidationError = {
+    /**
+     * Detail
+     */
+    detail?: Array<ValidationError>;
+};
+
+/**
  * Health
  *
  * The service can do its work.
@@ -711,6 +758,13 @@ export type Invitations = {
      */
     items: Array<Invitation>;
 };
+
+/**
+ * Kind
+ *
+ * One form of export.
+ */
+export type Kind = 'csv' | 'parquet' | 'hdf5' | 'trackmate' | 'trackpy' | 'napari' | 'netcdf' | 'zarr';
 
 /**
  * KnownPerson
@@ -2411,6 +2465,34 @@ export type Usage = {
      * Used Bytes
      */
     used_bytes: number;
+};
+
+/**
+ * ValidationError
+ */
+export type ValidationError = {
+    /**
+     * Context
+     */
+    ctx?: {
+        [key: string]: unknown;
+    };
+    /**
+     * Input
+     */
+    input?: unknown;
+    /**
+     * Location
+     */
+    loc: Array<string | number>;
+    /**
+     * Message
+     */
+    msg: string;
+    /**
+     * Error Type
+     */
+    type: string;
 };
 
 /**
@@ -6235,6 +6317,127 @@ export type RunsEventsResponses = {
     200: unknown;
 };
 
+export type ExportsListData = {
+    body?: never;
+    path: {
+        /**
+         * Run Id
+         */
+        run_id: string;
+    };
+    query?: never;
+    url: '/api/v1/runs/{run_id}/exports';
+};
+
+export type ExportsListErrors = {
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type ExportsListError = ExportsListErrors[keyof ExportsListErrors];
+
+export type ExportsListResponses = {
+    /**
+     * Successful Response
+     */
+    200: Exports;
+};
+
+export type ExportsListResponse = ExportsListResponses[keyof ExportsListResponses];
+
+export type ExportsGetData = {
+    body?: never;
+    path: {
+        kind: Kind;
+        /**
+         * Run Id
+         */
+        run_id: string;
+    };
+    query?: never;
+    url: '/api/v1/runs/{run_id}/exports/{kind}';
+};
+
+export type ExportsGetErrors = {
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Requested Range Not Satisfiable
+     */
+    416: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * Service Unavailable
+     */
+    503: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type ExportsGetError = ExportsGetErrors[keyof ExportsGetErrors];
+
+export type ExportsGetResponses = {
+    /**
+     * The file.
+     */
+    200: Blob | File;
+    /**
+     * The part of it that `Range` asked for.
+     */
+    206: Blob | File;
+};
+
+export type ExportsGetResponse = ExportsGetResponses[keyof ExportsGetResponses];
+
 export type FiguresListData = {
     body?: never;
     path: {
@@ -6933,6 +7136,58 @@ export type QualityGetResponses = {
 };
 
 export type QualityGetResponse = QualityGetResponses[keyof QualityGetResponses];
+
+export type ReportGetData = {
+    body?: never;
+    path: {
+        /**
+         * Run Id
+         */
+        run_id: string;
+    };
+    query?: never;
+    url: '/api/v1/runs/{run_id}/report.html';
+};
+
+export type ReportGetErrors = {
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Validation Error
+     */
+    422: HttpValidationError;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type ReportGetError = ReportGetErrors[keyof ReportGetErrors];
+
+export type ReportGetResponses = {
+    /**
+     * The page.
+     */
+    200: unknown;
+};
 
 export type RunsRetryData = {
     body?: never;

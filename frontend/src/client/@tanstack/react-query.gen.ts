@@ -3,8 +3,8 @@
 import { type InfiniteData, infiniteQueryOptions, queryOptions, type UseMutationOptions } from '@tanstack/react-query';
 
 import { client } from '../client.gen';
-import { accountEndSession, accountGet, accountPassword, accountSessions, accountUpdate, administrationGet, auditList, dropletsGet, experimentsCreate, experimentsDelete, experimentsGet, experimentsList, experimentsUpdate, figuresGet, figuresList, figuresTable, filesDownload, filesList, filesUpload, flowGet, flowMapsGet, framesPicture, groupsCreate, groupsDelete, groupsGet, groupsLimit, groupsList, groupsUpdate, healthGet, invitationsAccept, invitationsCreate, invitationsDelete, invitationsList, invitationsLook, linkPreviewsCreate, materialsGet, materialsGetPhaseDiagram, materialsGetViscosity, materialsList, membersList, membersRemove, membersSet, type Options, peopleCreate, peopleLink, peopleList, peopleUpdate, previewsCreate, qualityGet, rampsDownload, rampsGet, resultFilesDownload, resultFilesList, runsCancel, runsCreate, runsDelete, runsGet, runsGetReuse, runsList, runsListAll, runsRetry, schemasGetExperiment, schemasGetParameters, sessionCreate, sessionDelete, sessionGet, sessionOidc, sessionOidcCallback, sharesCreate, sharesDelete, sharesList, stackComplete, stackDelete, tailsGet, tokensCreate, tokensList, tokensRevoke, trajectoriesGet, uploadsCreate, uploadsGet, uploadsList, uploadsPlan, uploadsSend, uploadsTerminate } from '../sdk.gen';
-import type { AccountEndSessionData, AccountEndSessionError, AccountEndSessionResponse, AccountGetData, AccountGetError, AccountGetResponse, AccountPasswordData, AccountPasswordError, AccountPasswordResponse, AccountSessionsData, AccountSessionsError, AccountSessionsResponse, AccountUpdateData, AccountUpdateError, AccountUpdateResponse, AdministrationGetData, AdministrationGetError, AdministrationGetResponse, AuditListData, AuditListError, AuditListResponse, DropletsGetData, DropletsGetError, DropletsGetResponse, ExperimentsCreateData, ExperimentsCreateError, ExperimentsCreateResponse, ExperimentsDeleteData, ExperimentsDeleteError, ExperimentsDeleteResponse, ExperimentsGetData, ExperimentsGetError, ExperimentsGetResponse, ExperimentsListData, ExperimentsListError, ExperimentsListResponse, ExperimentsUpdateData, ExperimentsUpdateError, ExperimentsUpdateResponse, FiguresGetData, FiguresGetError, FiguresGetResponse, FiguresListData, FiguresListError, FiguresListResponse, FiguresTableData, FiguresTableError, FilesDownloadData, FilesDownloadError, FilesDownloadResponse, FilesListData, FilesListError, FilesListResponse, FilesUploadData, FilesUploadError, FilesUploadResponse, FlowGetData, FlowGetError, FlowGetResponse, FlowMapsGetData, FlowMapsGetError, FlowMapsGetResponse, FramesPictureData, FramesPictureError, GroupsCreateData, GroupsCreateError, GroupsCreateResponse, GroupsDeleteData, GroupsDeleteError, GroupsDeleteResponse, GroupsGetData, GroupsGetError, GroupsGetResponse, GroupsLimitData, GroupsLimitError, GroupsLimitResponse, GroupsListData, GroupsListError, GroupsListResponse, GroupsUpdateData, GroupsUpdateError, GroupsUpdateResponse, HealthGetData, HealthGetError, HealthGetResponse, InvitationsAcceptData, InvitationsAcceptError, InvitationsAcceptResponse, InvitationsCreateData, InvitationsCreateError, InvitationsCreateResponse, InvitationsDeleteData, InvitationsDeleteError, InvitationsDeleteResponse, InvitationsListData, InvitationsListError, InvitationsListResponse, InvitationsLookData, InvitationsLookError, InvitationsLookResponse, LinkPreviewsCreateData, LinkPreviewsCreateError, LinkPreviewsCreateResponse, MaterialsGetData, MaterialsGetError, MaterialsGetPhaseDiagramData, MaterialsGetPhaseDiagramError, MaterialsGetPhaseDiagramResponse, MaterialsGetResponse, MaterialsGetViscosityData, MaterialsGetViscosityError, MaterialsGetViscosityResponse, MaterialsListData, MaterialsListError, MaterialsListResponse, MembersListData, MembersListError, MembersListResponse, MembersRemoveData, MembersRemoveError, MembersRemoveResponse, MembersSetData, MembersSetError, MembersSetResponse, PeopleCreateData, PeopleCreateError, PeopleCreateResponse, PeopleLinkData, PeopleLinkError, PeopleLinkResponse, PeopleListData, PeopleListError, PeopleListResponse, PeopleUpdateData, PeopleUpdateError, PeopleUpdateResponse, PreviewsCreateData, PreviewsCreateError, PreviewsCreateResponse, QualityGetData, QualityGetError, QualityGetResponse, RampsDownloadData, RampsDownloadError, RampsGetData, RampsGetError, RampsGetResponse, ResultFilesDownloadData, ResultFilesDownloadError, ResultFilesDownloadResponse, ResultFilesListData, ResultFilesListError, ResultFilesListResponse, RunsCancelData, RunsCancelError, RunsCancelResponse, RunsCreateData, RunsCreateError, RunsCreateResponse, RunsDeleteData, RunsDeleteError, RunsDeleteResponse, RunsGetData, RunsGetError, RunsGetResponse, RunsGetReuseData, RunsGetReuseError, RunsGetReuseResponse, RunsListAllData, RunsListAllError, RunsListAllResponse, RunsListData, RunsListError, RunsListResponse, RunsRetryData, RunsRetryError, RunsRetryResponse, SchemasGetExperimentData, SchemasGetExperimentError, SchemasGetExperimentResponse, SchemasGetParametersData, SchemasGetParametersError, SchemasGetParametersResponse, SessionCreateData, SessionCreateError, SessionCreateResponse, SessionDeleteData, SessionDeleteError, SessionDeleteResponse, SessionGetData, SessionGetError, SessionGetResponse, SessionOidcCallbackData, SessionOidcCallbackError, SessionOidcCallbackResponse, SessionOidcData, SessionOidcError, SessionOidcResponse, SharesCreateData, SharesCreateError, SharesCreateResponse, SharesDeleteData, SharesDeleteError, SharesDeleteResponse, SharesListData, SharesListError, SharesListResponse, StackCompleteData, StackCompleteError, StackCompleteResponse, StackDeleteData, StackDeleteError, StackDeleteResponse, TailsGetData, TailsGetError, TailsGetResponse, TokensCreateData, TokensCreateError, TokensCreateResponse, TokensListData, TokensListError, TokensListResponse, TokensRevokeData, TokensRevokeError, TokensRevokeResponse, TrajectoriesGetData, TrajectoriesGetError, TrajectoriesGetResponse, UploadsCreateData, UploadsCreateError, UploadsGetData, UploadsGetError, UploadsGetResponse, UploadsListData, UploadsListError, UploadsListResponse, UploadsPlanData, UploadsPlanError, UploadsPlanResponse, UploadsSendData, UploadsSendError, UploadsSendResponse, UploadsTerminateData, UploadsTerminateError, UploadsTerminateResponse } from '../types.gen';
+import { accountEndSession, accountGet, accountPassword, accountSessions, accountUpdate, administrationGet, auditList, dropletsGet, experimentsCreate, experimentsDelete, experimentsGet, experimentsList, experimentsUpdate, exportsGet, exportsList, figuresGet, figuresList, figuresTable, filesDownload, filesList, filesUpload, flowGet, flowMapsGet, framesPicture, groupsCreate, groupsDelete, groupsGet, groupsLimit, groupsList, groupsUpdate, healthGet, invitationsAccept, invitationsCreate, invitationsDelete, invitationsList, invitationsLook, linkPreviewsCreate, materialsGet, materialsGetPhaseDiagram, materialsGetViscosity, materialsList, membersList, membersRemove, membersSet, type Options, peopleCreate, peopleLink, peopleList, peopleUpdate, previewsCreate, qualityGet, rampsDownload, rampsGet, reportGet, resultFilesDownload, resultFilesList, runsCancel, runsCreate, runsDelete, runsGet, runsGetReuse, runsList, runsListAll, runsRetry, schemasGetExperiment, schemasGetParameters, sessionCreate, sessionDelete, sessionGet, sessionOidc, sessionOidcCallback, sharesCreate, sharesDelete, sharesList, stackComplete, stackDelete, tailsGet, tokensCreate, tokensList, tokensRevoke, trajectoriesGet, uploadsCreate, uploadsGet, uploadsList, uploadsPlan, uploadsSend, uploadsTerminate } from '../sdk.gen';
+import type { AccountEndSessionData, AccountEndSessionError, AccountEndSessionResponse, AccountGetData, AccountGetError, AccountGetResponse, AccountPasswordData, AccountPasswordError, AccountPasswordResponse, AccountSessionsData, AccountSessionsError, AccountSessionsResponse, AccountUpdateData, AccountUpdateError, AccountUpdateResponse, AdministrationGetData, AdministrationGetError, AdministrationGetResponse, AuditListData, AuditListError, AuditListResponse, DropletsGetData, DropletsGetError, DropletsGetResponse, ExperimentsCreateData, ExperimentsCreateError, ExperimentsCreateResponse, ExperimentsDeleteData, ExperimentsDeleteError, ExperimentsDeleteResponse, ExperimentsGetData, ExperimentsGetError, ExperimentsGetResponse, ExperimentsListData, ExperimentsListError, ExperimentsListResponse, ExperimentsUpdateData, ExperimentsUpdateError, ExperimentsUpdateResponse, ExportsGetData, ExportsGetError, ExportsGetResponse, ExportsListData, ExportsListError, ExportsListResponse, FiguresGetData, FiguresGetError, FiguresGetResponse, FiguresListData, FiguresListError, FiguresListResponse, FiguresTableData, FiguresTableError, FilesDownloadData, FilesDownloadError, FilesDownloadResponse, FilesListData, FilesListError, FilesListResponse, FilesUploadData, FilesUploadError, FilesUploadResponse, FlowGetData, FlowGetError, FlowGetResponse, FlowMapsGetData, FlowMapsGetError, FlowMapsGetResponse, FramesPictureData, FramesPictureError, GroupsCreateData, GroupsCreateError, GroupsCreateResponse, GroupsDeleteData, GroupsDeleteError, GroupsDeleteResponse, GroupsGetData, GroupsGetError, GroupsGetResponse, GroupsLimitData, GroupsLimitError, GroupsLimitResponse, GroupsListData, GroupsListError, GroupsListResponse, GroupsUpdateData, GroupsUpdateError, GroupsUpdateResponse, HealthGetData, HealthGetError, HealthGetResponse, InvitationsAcceptData, InvitationsAcceptError, InvitationsAcceptResponse, InvitationsCreateData, InvitationsCreateError, InvitationsCreateResponse, InvitationsDeleteData, InvitationsDeleteError, InvitationsDeleteResponse, InvitationsListData, InvitationsListError, InvitationsListResponse, InvitationsLookData, InvitationsLookError, InvitationsLookResponse, LinkPreviewsCreateData, LinkPreviewsCreateError, LinkPreviewsCreateResponse, MaterialsGetData, MaterialsGetError, MaterialsGetPhaseDiagramData, MaterialsGetPhaseDiagramError, MaterialsGetPhaseDiagramResponse, MaterialsGetResponse, MaterialsGetViscosityData, MaterialsGetViscosityError, MaterialsGetViscosityResponse, MaterialsListData, MaterialsListError, MaterialsListResponse, MembersListData, MembersListError, MembersListResponse, MembersRemoveData, MembersRemoveError, MembersRemoveResponse, MembersSetData, MembersSetError, MembersSetResponse, PeopleCreateData, PeopleCreateError, PeopleCreateResponse, PeopleLinkData, PeopleLinkError, PeopleLinkResponse, PeopleListData, PeopleListError, PeopleListResponse, PeopleUpdateData, PeopleUpdateError, PeopleUpdateResponse, PreviewsCreateData, PreviewsCreateError, PreviewsCreateResponse, QualityGetData, QualityGetError, QualityGetResponse, RampsDownloadData, RampsDownloadError, RampsGetData, RampsGetError, RampsGetResponse, ReportGetData, ReportGetError, ResultFilesDownloadData, ResultFilesDownloadError, ResultFilesDownloadResponse, ResultFilesListData, ResultFilesListError, ResultFilesListResponse, RunsCancelData, RunsCancelError, RunsCancelResponse, RunsCreateData, RunsCreateError, RunsCreateResponse, RunsDeleteData, RunsDeleteError, RunsDeleteResponse, RunsGetData, RunsGetError, RunsGetResponse, RunsGetReuseData, RunsGetReuseError, RunsGetReuseResponse, RunsListAllData, RunsListAllError, RunsListAllResponse, RunsListData, RunsListError, RunsListResponse, RunsRetryData, RunsRetryError, RunsRetryResponse, SchemasGetExperimentData, SchemasGetExperimentError, SchemasGetExperimentResponse, SchemasGetParametersData, SchemasGetParametersError, SchemasGetParametersResponse, SessionCreateData, SessionCreateError, SessionCreateResponse, SessionDeleteData, SessionDeleteError, SessionDeleteResponse, SessionGetData, SessionGetError, SessionGetResponse, SessionOidcCallbackData, SessionOidcCallbackError, SessionOidcCallbackResponse, SessionOidcData, SessionOidcError, SessionOidcResponse, SharesCreateData, SharesCreateError, SharesCreateResponse, SharesDeleteData, SharesDeleteError, SharesDeleteResponse, SharesListData, SharesListError, SharesListResponse, StackCompleteData, StackCompleteError, StackCompleteResponse, StackDeleteData, StackDeleteError, StackDeleteResponse, TailsGetData, TailsGetError, TailsGetResponse, TokensCreateData, TokensCreateError, TokensCreateResponse, TokensListData, TokensListError, TokensListResponse, TokensRevokeData, TokensRevokeError, TokensRevokeResponse, TrajectoriesGetData, TrajectoriesGetError, TrajectoriesGetResponse, UploadsCreateData, UploadsCreateError, UploadsGetData, UploadsGetError, UploadsGetResponse, UploadsListData, UploadsListError, UploadsListResponse, UploadsPlanData, UploadsPlanError, UploadsPlanResponse, UploadsSendData, UploadsSendError, UploadsSendResponse, UploadsTerminateData, UploadsTerminateError, UploadsTerminateResponse } from '../types.gen';
 
 export type QueryKey<TOptions extends Options> = [
     Pick<TOptions, 'baseUrl' | 'body' | 'headers' | 'path' | 'query'> & {
@@ -1322,6 +1322,46 @@ export const runsCancelMutation = (options?: Partial<Options<RunsCancelData>>): 
     return mutationOptions;
 };
 
+export const exportsListQueryKey = (options: Options<ExportsListData>) => createQueryKey('exportsList', options);
+
+/**
+ * Exports List
+ *
+ * List the forms in which results can be had.
+ */
+export const exportsListOptions = (options: Options<ExportsListData>) => queryOptions<ExportsListResponse, ExportsListError, ExportsListResponse, ReturnType<typeof exportsListQueryKey>>({
+    queryFn: async ({ queryKey, signal }) => {
+        const { data } = await exportsList({
+            ...options,
+            ...queryKey[0],
+            signal,
+            throwOnError: true
+        });
+        return data;
+    },
+    queryKey: exportsListQueryKey(options)
+});
+
+export const exportsGetQueryKey = (options: Options<ExportsGetData>) => createQueryKey('exportsGet', options);
+
+/**
+ * Exports Get
+ *
+ * Download results in another form; it is made while it is sent, and a download broken off begins anew.
+ */
+export const exportsGetOptions = (options: Options<ExportsGetData>) => queryOptions<ExportsGetResponse, ExportsGetError, ExportsGetResponse, ReturnType<typeof exportsGetQueryKey>>({
+    queryFn: async ({ queryKey, signal }) => {
+        const { data } = await exportsGet({
+            ...options,
+            ...queryKey[0],
+            signal,
+            throwOnError: true
+        });
+        return data;
+    },
+    queryKey: exportsGetQueryKey(options)
+});
+
 export const figuresListQueryKey = (options: Options<FiguresListData>) => createQueryKey('figuresList', options);
 
 /**
@@ -1520,6 +1560,26 @@ export const qualityGetOptions = (options: Options<QualityGetData>) => queryOpti
         return data;
     },
     queryKey: qualityGetQueryKey(options)
+});
+
+export const reportGetQueryKey = (options: Options<ReportGetData>) => createQueryKey('reportGet', options);
+
+/**
+ * Report Get
+ *
+ * Get the report: one page with all figures, numbers, parameters, warnings and a methods paragraph.
+ */
+export const reportGetOptions = (options: Options<ReportGetData>) => queryOptions<unknown, ReportGetError, unknown, ReturnType<typeof reportGetQueryKey>>({
+    queryFn: async ({ queryKey, signal }) => {
+        const { data } = await reportGet({
+            ...options,
+            ...queryKey[0],
+            signal,
+            throwOnError: true
+        });
+        return data;
+    },
+    queryKey: reportGetQueryKey(options)
 });
 
 /**
