@@ -25,6 +25,7 @@ COMMANDS = (
     "material",
     "ramp",
     "report",
+    "periods",
     "export",
     "login",
     "submit",
