@@ -2,6 +2,7 @@
 
 import json
 import time
+from dataclasses import asdict
 from typing import Any
 
 import structlog
@@ -10,6 +11,7 @@ from backend.platform.previews import LONGEST_WAIT_S, PreviewRequest
 from backend.platform.problems import Problem, problem_of
 from dropflow.errors import DropflowError
 from dropflow.parameters import parse_parameters
+from dropflow.suggest import suggest
 from worker.context import Context
 from worker.preview_droplets import found_in
 from worker.preview_films import films
@@ -50,3 +52,5 @@ def _found(context: Context, request: PreviewRequest) -> dict[str, Any]:
             return found_in(film, request, parameters)
         case "links":
             return followed(film, request.frame, parameters)
+        case "suggestions":
+            return asdict(suggest(film.frames, film.experiment, flat_field=film.flat_field))

@@ -1,4 +1,4 @@
-"""/experiments/{id}/previews."""
+"""/experiments/{id}/previews and /suggestions."""
 
 from uuid import UUID
 
@@ -9,7 +9,7 @@ from backend.platform.dependencies import EditorDependency, PlatformDependency
 from backend.platform.problems import InvalidRequest, responses
 from backend.previews import service
 from backend.previews.errors import PreviewFailed, PreviewLate
-from backend.previews.schemas import LinkPreview, LinkWish, Preview, PreviewWish
+from backend.previews.schemas import LinkPreview, LinkWish, Preview, PreviewWish, Suggestions
 from backend.stacks.errors import StackNotReady
 
 router = APIRouter(prefix="/experiments/{experiment_id}", tags=["previews"])
@@ -30,3 +30,9 @@ def link_previews_create(
 ) -> LinkPreview:
     """Try parameters on following droplets from a frame to the next. Nothing is kept."""
     return service.links(platform, viewer, experiment_id, wish)
+
+
+@router.post("/suggestions", responses=_ERRORS)
+def suggestions_create(platform: PlatformDependency, viewer: EditorDependency, experiment_id: UUID) -> Suggestions:
+    """Measure noise, contrast, radii and displacement on a few frames, and propose parameters."""
+    return service.suggestions(platform, viewer, experiment_id)

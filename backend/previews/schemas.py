@@ -73,3 +73,30 @@ class LinkPreview(BaseModel):
     n_frames: int
     """Frames that were followed for this, from this one on."""
     took_s: float
+
+
+class Measurement(BaseModel):
+    """Something measured on the frames."""
+
+    name: str
+    value: float | None
+    unit: str
+    about: str
+
+
+class Suggestion(BaseModel):
+    """A value for a parameter, with what speaks for it."""
+
+    field: str
+    value: float | str
+    unit: str
+    reason: str
+
+
+class Suggestions(BaseModel):
+    """Parameters proposed from what is measured on a few frames."""
+
+    frames: list[int]
+    measurements: list[Measurement]
+    suggestions: list[Suggestion]
+    warnings: list[str]

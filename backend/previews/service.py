@@ -11,11 +11,12 @@ from backend.platform.previews import PreviewRequest
 from backend.platform.problems import Problem
 from backend.platform.visibility import Viewer
 from backend.previews.errors import PreviewFailed, PreviewLate
-from backend.previews.schemas import LinkPreview, LinkWish, Preview, PreviewWish
+from backend.previews.schemas import LinkPreview, LinkWish, Preview, PreviewWish, Suggestions
+from backend.stacks.errors import StackNotReady
 from backend.stacks.service import with_frame
 from dropflow.parameters import parse_parameters
 
-PATIENCE_S = {"droplets": 20.0, "links": 45.0}
+PATIENCE_S = {"droplets": 20.0, "links": 45.0, "suggestions": 45.0}
 _FIRST_LOOK_S, _LONGEST_PAUSE_S = 0.02, 0.2
 
 
@@ -30,16 +31,23 @@ def links(platform: Platform, viewer: Viewer, experiment_id: UUID, wish: LinkWis
     return LinkPreview.model_validate(_ask(platform, viewer, experiment_id, "links", wish.model_dump()))
 
 
+def suggestions(platform: Platform, viewer: Viewer, experiment_id: UUID) -> Suggestions:
+    """What the frames themselves speak for."""
+    return Suggestions.model_validate(_ask(platform, viewer, experiment_id, "suggestions", {}))
+
+
 def _ask(
     platform: Platform,
     viewer: Viewer,
     experiment_id: UUID,
-    kind: Literal["droplets", "links"],
+    kind: Literal["droplets", "links", "suggestions"],
     about: dict[str, Any],
 ) -> Any:
     """Send a request and wait; no transaction is open meanwhile."""
     with platform.sessions.begin() as session:
-        with_frame(session, viewer, experiment_id, about.get("frame", 0))
+        experiment = with_frame(session, viewer, experiment_id, about.get("frame", 0))
+        if experiment.stack.index_key is None:  # nothing that a worker could look at
+            raise StackNotReady
     parse_parameters(about.get("parameters", {}))
     key = f"{experiment_prefix(experiment_id)}previews/{uuid4()}.json"
     platform.queue.preview(

@@ -88,6 +88,7 @@ NEEDS = {
     "uploads_terminate": Needs.EDIT,
     "previews_create": Needs.EDIT,
     "link_previews_create": Needs.EDIT,
+    "suggestions_create": Needs.EDIT,
     # /runs
     "runs_list": Needs.VIEW,
     "runs_list_all": Needs.PERSON,

@@ -58,6 +58,13 @@ def test_droplets_are_followed_as_tracking_does(shared_house: House, experiment:
     assert np.median(followed) < 3
 
 
+def test_what_is_measured_on_the_frames_is_proposed(shared_house: House, experiment: Json) -> None:
+    found = _ask(shared_house, experiment, kind="suggestions")["found"]
+    assert found["frames"]
+    assert {measured["name"] for measured in found["measurements"]}
+    assert all(one["field"].split(".")[0] in ("detection", "tracking", "flow") for one in found["suggestions"])
+
+
 @pytest.mark.parametrize(
     ("about", "field"),
     [

@@ -1059,6 +1059,30 @@ export type Materials = {
 };
 
 /**
+ * Measurement
+ *
+ * Something measured on the frames.
+ */
+export type Measurement = {
+    /**
+     * About
+     */
+    about: string;
+    /**
+     * Name
+     */
+    name: string;
+    /**
+     * Unit
+     */
+    unit: string;
+    /**
+     * Value
+     */
+    value: number | null;
+};
+
+/**
  * Member
  *
  * Somebody in a group.
@@ -2198,6 +2222,54 @@ export type StageReuse = {
  * How far one stage of a run is.
  */
 export type StageState = 'waiting' | 'running' | 'completed' | 'failed' | 'cancelled';
+
+/**
+ * Suggestion
+ *
+ * A value for a parameter, with what speaks for it.
+ */
+export type Suggestion = {
+    /**
+     * Field
+     */
+    field: string;
+    /**
+     * Reason
+     */
+    reason: string;
+    /**
+     * Unit
+     */
+    unit: string;
+    /**
+     * Value
+     */
+    value: number | string;
+};
+
+/**
+ * Suggestions
+ *
+ * Parameters proposed from what is measured on a few frames.
+ */
+export type Suggestions = {
+    /**
+     * Frames
+     */
+    frames: Array<number>;
+    /**
+     * Measurements
+     */
+    measurements: Array<Measurement>;
+    /**
+     * Suggestions
+     */
+    suggestions: Array<Suggestion>;
+    /**
+     * Warnings
+     */
+    warnings: Array<string>;
+};
 
 /**
  * Tails
@@ -4059,6 +4131,68 @@ export type StackCompleteResponses = {
 };
 
 export type StackCompleteResponse = StackCompleteResponses[keyof StackCompleteResponses];
+
+export type SuggestionsCreateData = {
+    body?: never;
+    path: {
+        /**
+         * Experiment Id
+         */
+        experiment_id: string;
+    };
+    query?: never;
+    url: '/api/v1/experiments/{experiment_id}/suggestions';
+};
+
+export type SuggestionsCreateErrors = {
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Conflict
+     */
+    409: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * Service Unavailable
+     */
+    503: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type SuggestionsCreateError = SuggestionsCreateErrors[keyof SuggestionsCreateErrors];
+
+export type SuggestionsCreateResponses = {
+    /**
+     * Successful Response
+     */
+    200: Suggestions;
+};
+
+export type SuggestionsCreateResponse = SuggestionsCreateResponses[keyof SuggestionsCreateResponses];
 
 export type UploadsListData = {
     body?: never;

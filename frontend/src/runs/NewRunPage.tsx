@@ -15,6 +15,7 @@ import { ProblemAlert } from "../platform/ProblemAlert";
 import { fieldMessages, toProblem } from "../platform/problem";
 import { Loading, QueryView } from "../platform/QueryView";
 import { PreviewPanel } from "../previews/PreviewPanel";
+import { SuggestButton } from "../previews/SuggestButton";
 import { ParameterForm } from "./ParameterForm";
 import { parameterSchemaQuery, runQuery } from "./queries";
 
@@ -103,6 +104,7 @@ function NewRun({ experimentId, experiment, schema, begin, origin }: NewRunProps
             parameters did not change are taken from earlier runs.
           </Text>
           <Group gap="xs">
+            <SuggestButton experimentId={experimentId} parameters={document} onTake={change} />
             <Button variant="default" onClick={() => change(defaults)}>
               All to defaults
             </Button>
