@@ -40,8 +40,6 @@ class Person(Identified, Dated, Base):
     disabled_at: Mapped[datetime | None]
     """From then on they can do and see nothing; what they made stays."""
     seen_at: Mapped[datetime | None]
-    is_mailed: Mapped[bool] = mapped_column(default=False)
-    """Whether they are told by e-mail when a run that they started ends."""
 
 
 class Group(Identified, Dated, Base):

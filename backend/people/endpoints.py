@@ -153,7 +153,7 @@ def account_get(session: SessionDependency, identity: PersonDependency) -> schem
 def account_update(
     session: SessionDependency, identity: PersonDependency, change: schemas.ChangeAccount
 ) -> schemas.Person:
-    """Change your name, or whether you are told by e-mail."""
+    """Change your name."""
     return service.change_account(session, identity, change)
 
 

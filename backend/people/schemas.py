@@ -43,7 +43,6 @@ class Person(BaseModel):
     name: str
     email: str | None
     is_administrator: bool
-    is_mailed: bool
     has_password: bool
 
 
@@ -97,10 +96,9 @@ class AcceptInvitation(BaseModel):
 class ChangeAccount(BaseModel):
     """What to change of your account; what is absent stays."""
 
-    model_config = ConfigDict(extra="forbid", json_schema_extra={"examples": [{"is_mailed": True}]})
+    model_config = ConfigDict(extra="forbid", json_schema_extra={"examples": [{"name": "Ada Lovelace"}]})
 
     name: Name | None = None
-    is_mailed: bool | None = None
 
 
 class NewPassword(BaseModel):

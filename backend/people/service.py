@@ -26,7 +26,7 @@ def ensure_local_people(session: Session) -> None:
     """Make the one person and group of a local service, if they are not there yet."""
     person_id = LOCAL_VIEWER.person_id
     rows: list[tuple[type[Person | Group | Membership], dict[str, object]]] = [
-        (Person, {"id": person_id, "name": "You", "is_administrator": True, "is_mailed": False}),
+        (Person, {"id": person_id, "name": "You", "is_administrator": True}),
         (Group, {"id": LOCAL_GROUP_ID, "name": "Everything here", "personal_of": person_id}),
         (Membership, {"person_id": person_id, "group_id": LOCAL_GROUP_ID, "right": Right.MANAGE}),
     ]
@@ -181,7 +181,6 @@ def shown(person: Person) -> schemas.Person:
         name=person.name,
         email=person.email,
         is_administrator=person.is_administrator,
-        is_mailed=person.is_mailed,
         has_password=person.password_hash is not None,
     )
 

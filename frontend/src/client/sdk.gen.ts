@@ -36,7 +36,7 @@ export const accountGet = <ThrowOnError extends boolean = true>(options?: Option
 /**
  * Account Update
  *
- * Change your name, or whether you are told by e-mail.
+ * Change your name.
  */
 export const accountUpdate = <ThrowOnError extends boolean = true>(options: Options<AccountUpdateData, ThrowOnError>) => (options.client ?? client).patch<AccountUpdateResponses, AccountUpdateErrors, ThrowOnError>({
     security: [{

@@ -110,10 +110,6 @@ export type Cause = 'parameter' | 'experiment' | 'frames' | 'code' | 'not_there'
  */
 export type ChangeAccount = {
     /**
-     * Is Mailed
-     */
-    is_mailed?: boolean | null;
-    /**
      * Name
      */
     name?: string | null;
@@ -1358,10 +1354,6 @@ export type Person = {
      * Is Administrator
      */
     is_administrator: boolean;
-    /**
-     * Is Mailed
-     */
-    is_mailed: boolean;
     /**
      * Name
      */

@@ -62,7 +62,7 @@ export const accountGetOptions = (options?: Options<AccountGetData>) => queryOpt
 /**
  * Account Update
  *
- * Change your name, or whether you are told by e-mail.
+ * Change your name.
  */
 export const accountUpdateMutation = (options?: Partial<Options<AccountUpdateData>>): UseMutationOptions<AccountUpdateResponse, AccountUpdateError, Options<AccountUpdateData>> => {
     const mutationOptions: UseMutationOptions<AccountUpdateResponse, AccountUpdateError, Options<AccountUpdateData>> = {
