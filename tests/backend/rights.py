@@ -111,6 +111,9 @@ NEEDS = {
     "trajectories_get": Needs.VIEW,
     "flow_maps_get": Needs.VIEW,
     "quality_get": Needs.VIEW,
+    "report_get": Needs.VIEW,
+    "exports_list": Needs.VIEW,
+    "exports_get": Needs.VIEW,
     "result_files_list": Needs.VIEW,
     "result_files_download": Needs.VIEW,
 }
@@ -147,6 +150,7 @@ VALUES: dict[str, dict[str, str]] = {
     "ramps_download": _MIXTURE,
     "figures_get": {"name": "moments"},
     "figures_table": {"name": "moments"},
+    "exports_get": {"kind": "csv"},
     "result_files_download": {"name": "summary.json"},
     "frames_picture": {"kind": "webp"},
     "trajectories_get": {"trajectory_id": "0"},
