@@ -5,12 +5,12 @@ from enum import StrEnum
 from typing import Annotated, Any
 from uuid import UUID
 
-from pydantic import AwareDatetime, BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field
 from pydantic.config import JsonDict
 
 from backend.groups.schemas import Group
 from backend.models.states import RunState, StackState
-from backend.platform.pages import ListQuery, Page
+from backend.platform.pages import ListQuery, Moment, Page
 from backend.platform.problems import Problem
 from backend.platform.texts import Words
 from backend.runs.schemas import Stage
@@ -104,9 +104,9 @@ class ExperimentQuery(ListQuery):
     """Experiments whose frames are in this state."""
     run_state: RunState | None = None
     """Experiments that have a run in this state."""
-    created_from: AwareDatetime | None = None
+    created_from: Moment | None = None
     """Made at this time or later."""
-    created_before: AwareDatetime | None = None
+    created_before: Moment | None = None
     """Made before this time."""
 
 

@@ -12,6 +12,7 @@ from fastapi import Request
 from fastapi.responses import Response, StreamingResponse
 
 from backend.platform.entity_tags import is_known
+from backend.platform.media import ANYTHING
 from backend.platform.problems import ServiceError, problem_of, problem_response, responses
 
 _RANGE = re.compile(r"bytes=(\d{0,18})-(\d{0,18})")
@@ -39,8 +40,8 @@ class Download:
 
 
 RESPONSES: dict[int | str, dict[str, Any]] = {
-    200: {"content": {"application/octet-stream": {}}, "description": "The file."},
-    206: {"content": {"application/octet-stream": {}}, "description": "The part of it that `Range` asked for."},
+    200: {"content": {ANYTHING: {}}, "description": "The file."},
+    206: {"content": {ANYTHING: {}}, "description": "The part of it that `Range` asked for."},
     304: {"description": "You have it: it is the one that `If-None-Match` names."},
     **responses(NoSuchRange),
 }

@@ -15,16 +15,25 @@ def add_links(document: Json) -> None:
         for operation in methods.values():
             if len(set(_ID.findall(path))) == 1:
                 takers.setdefault(_ID.findall(path)[0], []).append(operation["operationId"])
+    identified = {name for name, schema in document["components"]["schemas"].items() if "id" in _fields(schema)}
     for methods in document["paths"].values():
         for operation in methods.values():
             for status, answer in operation["responses"].items():
                 if status in ("200", "201", "202"):
-                    _add(answer, takers)
+                    _add(answer, takers, identified)
 
 
-def _add(answer: Json, takers: dict[str, list[str]]) -> None:
+def _fields(schema: Json) -> Json:
+    fields: Json = schema.get("properties", {})
+    return fields
+
+
+def _add(answer: Json, takers: dict[str, list[str]], identified: set[str]) -> None:
     schema = answer.get("content", {}).get("application/json", {}).get("schema", {})
-    name = f"{schema.get('$ref', '').rpartition('/')[2].lower()}_id"
+    noun = schema.get("$ref", "").rpartition("/")[2]
+    if noun not in identified:
+        return
+    name = f"{noun.lower()}_id"
     for operation_id in takers.get(name, ()):
         link = {"operationId": operation_id, "parameters": {name: "$response.body#/id"}}
         answer.setdefault("links", {})[operation_id] = link

@@ -9,7 +9,7 @@ from fastapi.routing import APIRoute
 from backend.platform.problems import ServiceError
 
 JSON = "application/json"
-ANYTHING = "application/octet-stream"
+ANYTHING = "*/*"
 
 
 class NotAcceptable(ServiceError):

@@ -7,13 +7,14 @@ repeat an item nor leave one out.
 import base64
 import binascii
 import json
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from typing import Annotated, Any, Generic, TypeVar
 from uuid import UUID
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import AwareDatetime, BaseModel, BeforeValidator, ConfigDict, Field
 from sqlalchemy import ColumnElement, Select, tuple_
 from sqlalchemy.orm import Session
 
@@ -23,6 +24,16 @@ from dropflow.errors import FieldProblem
 
 Item = TypeVar("Item")
 Row = TypeVar("Row")
+
+
+def _as_iso_8601(value: Any) -> Any:
+    if isinstance(value, str) and not re.match(r"\d{4}-\d\d-\d\d[Tt ]", value):
+        raise ValueError("give a time such as 2026-05-04T09:30:00Z")  # a bare number is no time of anybody's
+    return value
+
+
+Moment = Annotated[AwareDatetime, BeforeValidator(_as_iso_8601)]
+"""A time to filter by, with its time zone."""
 
 
 class Page(BaseModel, Generic[Item]):

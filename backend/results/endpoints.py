@@ -133,7 +133,7 @@ def exports_list(asker: AskerDependency) -> Exports:
     "/exports/{kind}",
     response_class=Response,
     responses={
-        200: {"content": {"application/octet-stream": {}}, "description": "The export."},
+        200: {"content": {"*/*": {}}, "description": "The export."},
         **downloads.RESPONSES,
         **responses(NoSuchRun, NotYet, ExportsBusy, InvalidRequest),
     },

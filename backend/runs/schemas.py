@@ -5,10 +5,10 @@ from enum import StrEnum
 from typing import Any
 from uuid import UUID
 
-from pydantic import AwareDatetime, BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict
 
 from backend.models.states import RunState, StageState
-from backend.platform.pages import ListQuery, Page
+from backend.platform.pages import ListQuery, Moment, Page
 from backend.platform.problems import Problem
 
 
@@ -114,9 +114,9 @@ class RunQuery(ListQuery):
     """The order."""
     state: RunState | None = None
     """Runs in this state."""
-    created_from: AwareDatetime | None = None
+    created_from: Moment | None = None
     """Begun at this time or later."""
-    created_before: AwareDatetime | None = None
+    created_before: Moment | None = None
     """Begun before this time."""
 
 

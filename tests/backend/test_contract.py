@@ -18,7 +18,7 @@ from tests.services import ROOT
 
 # Streams that end with what they follow, which nobody ends here (tests/backend/test_events.py follows them); and what
 # waits for a worker, of which there is none here: it answers 503 after a while, as it says, and the minute is over.
-LEFT_OUT = ("experiments_events", "runs_events", "previews_create", "link_previews_create")
+LEFT_OUT = "/(events|previews|suggestions)(/|$)"
 # What a schema cannot say (that a cursor must be of this list, a name of the material one that is known) is refused
 # with 422, and rightly so. This service is that of one machine, which lets all its programs in: who may do what is
 # asked of every call in tests/backend/test_rights.py.
@@ -54,7 +54,7 @@ def _try_everything(house: House, folder: Path, *, seconds: int, seed: str | Non
         *("run", schema, "--url", str(house.api.base_url).removesuffix("/api/v1/")),
         *("--max-time", str(seconds), "--request-timeout", "30", "--suppress-health-check", "all"),
         *("--exclude-checks", UNFIT_CHECKS, "--continue-on-failure", "--warnings", "off"),
-        *(part for name in LEFT_OUT for part in ("--exclude-operation-id", name)),
+        *("--exclude-path-regex", LEFT_OUT),
         *(("--seed", seed) if seed else ()),
     ]
     environment = os.environ | {"NO_COLOR": "1", "PYTHONPATH": str(ROOT)}
@@ -68,10 +68,14 @@ def _strict(house: House) -> dict[str, Any]:
     run = house.start(house.ready())
     house.work()
     document: dict[str, Any] = house.ok(house.api.get("openapi.json"))
+    # Without a word of tokens: made-up ones would be refused, and after sixty a minute nothing else would be seen.
+    document["components"].pop("securitySchemes", None)
+    document.pop("security", None)
     known = {"experiment_id": run["experiment_id"], "run_id": run["id"], "name": None}
     for methods in document["paths"].values():
         for operation in methods.values():
             operation["responses"].pop("default")
+            operation.pop("security", None)
             for parameter in operation.get("parameters", []):
                 if parameter["in"] == "path" and known.get(parameter["name"]):
                     parameter["example"] = known[parameter["name"]]

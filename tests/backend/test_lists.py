@@ -122,6 +122,8 @@ def test_files_are_listed_by_name_or_size_and_by_role(house: House) -> None:
         ("stack_state=gone", "stack_state"),
         ("q=%00", "q"),
         ("created_from=yesterday", "created_from"),
+        ("created_from=0.5", "created_from"),
+        ("created_from=1767225600", "created_from"),
         ("created_from=2026-01-01T00:00:00", "created_from"),
         ("limit=501", "limit"),
         ("cursor=WyItY3JlYXRlZF9hdCIsICJcdTAwMDAiLCAiIl0=", "cursor"),

@@ -3603,14 +3603,12 @@ export type FilesDownloadResponses = {
     /**
      * The file.
      */
-    200: Blob | File;
+    200: unknown;
     /**
      * The part of it that `Range` asked for.
      */
-    206: Blob | File;
+    206: unknown;
 };
-
-export type FilesDownloadResponse = FilesDownloadResponses[keyof FilesDownloadResponses];
 
 export type FramesPictureData = {
     body?: never;
@@ -6555,14 +6553,12 @@ export type ExportsGetResponses = {
     /**
      * The file.
      */
-    200: Blob | File;
+    200: unknown;
     /**
      * The part of it that `Range` asked for.
      */
-    206: Blob | File;
+    206: unknown;
 };
-
-export type ExportsGetResponse = ExportsGetResponses[keyof ExportsGetResponses];
 
 export type FiguresListData = {
     body?: never;
@@ -6927,14 +6923,12 @@ export type ResultFilesDownloadResponses = {
     /**
      * The file.
      */
-    200: Blob | File;
+    200: unknown;
     /**
      * The part of it that `Range` asked for.
      */
-    206: Blob | File;
+    206: unknown;
 };
-
-export type ResultFilesDownloadResponse = ResultFilesDownloadResponses[keyof ResultFilesDownloadResponses];
 
 export type FlowMapsGetData = {
     body?: never;
