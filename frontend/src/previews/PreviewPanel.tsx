@@ -126,7 +126,7 @@ function DropletLook({ experiment, source, frame, setFrame, parameters, isValid 
         }
       />
       <Group gap="sm" mih={24} role="status">
-        {(first.isFetching || whole.isFetching) && <Loader size="xs" aria-label="Looking" />}
+        {(first.isFetching || whole.isFetching) && <Loader size="xs" role="img" aria-label="Looking" />}
         {shown && (
           <Text fz="sm" className="numbers">
             <b>{plural(shown.x_px.length, "droplet")}</b>
@@ -228,7 +228,7 @@ function LinkLook({ experiment, source, frame, setFrame, parameters, isValid }: 
         }
       />
       <Group gap="sm" mih={24} role="status">
-        {query.isFetching && <Loader size="xs" aria-label="Following" />}
+        {query.isFetching && <Loader size="xs" role="img" aria-label="Following" />}
         {links && <Text fz="sm">{describeLinks(links)}</Text>}
       </Group>
       {links && links.n_frames < 4 && (
