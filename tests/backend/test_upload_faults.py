@@ -121,7 +121,10 @@ def test_uploads_to_s3_break_off_go_on_and_become_a_film(
         cut_patch(house, upload["location"], third, content[third:], third)
         reached = _free_offset(house, upload["location"])
         assert third <= reached <= 2 * third
-        assert patch(house, upload["location"], reached, content[reached:]).status_code == 204
+        # Whoever was cut off may hold it a little longer, and have written a little more.
+        while (answer := patch(house, upload["location"], reached, content[reached:])).status_code != 204:
+            assert answer.status_code in {409, 423}, answer.text
+            reached = _free_offset(house, upload["location"])
         assert _files(house, experiment) == _sums(*files)
         stack = house.seal(experiment)["stack"]
         assert (stack["state"], stack["n_frames"]) == ("ready", 12)

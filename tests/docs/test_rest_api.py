@@ -21,10 +21,13 @@ def test_four_calls_of_curl_upload_and_run(service: RunningService, tmp_path: Pa
     (tmp_path / "film.tif").write_bytes(tiff(*(frame(index) for index in range(4))))
     here = script.replace("http://127.0.0.1:8000/", service.url)
     assert here != script
+    token = httpx.post(f"{service.url}api/v1/tokens", json={"name": "curl", "scope": "submit", "days": 1}).json()[
+        "secret"
+    ]
     done = subprocess.run(
         ["bash", "-euo", "pipefail", "-c", f"{here}\necho\necho $EXPERIMENT"],
         cwd=tmp_path,
-        env={"PATH": "/usr/bin:/bin", "DROPFLOW_TOKEN": "", "no_proxy": "127.0.0.1"},
+        env={"PATH": "/usr/bin:/bin", "DROPFLOW_TOKEN": token, "no_proxy": "127.0.0.1"},
         capture_output=True,
         text=True,
         timeout=120,
