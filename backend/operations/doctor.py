@@ -14,6 +14,7 @@ import redis
 from sqlalchemy import Engine, text
 from sqlalchemy.exc import SQLAlchemyError
 
+from backend.operations.measures import OLDEST_QUEUED_S
 from backend.operations.migrated import newest_form
 from backend.operations.tables import revision_of
 from backend.platform.database import make_engine
@@ -28,8 +29,7 @@ _ANSWER_S = 2.0
 _WAITING_S = 300.0
 _QUERIES = (
     "SELECT count(*) FROM shard WHERE state = 'running' AND lease_until < clock_timestamp() - interval '1 minute'",
-    "SELECT coalesce(extract(epoch FROM clock_timestamp() - min(greatest(created_at, sent_at))), 0)"
-    " FROM shard WHERE state = 'queued'",
+    OLDEST_QUEUED_S,
     "SELECT count(*) FROM run WHERE state = 'failed' AND finished_at > now() - interval '1 day'",
 )
 

@@ -30,7 +30,7 @@ SELECT task, sum(done_frames), sum(extract(epoch FROM finished_at - started_at))
 FROM shard WHERE state = 'completed' AND NOT is_reused AND finished_at > now() - interval '{_RECENTLY}' GROUP BY task
 """  # noqa: S608 - our own interval
 _HOLDERS = "SELECT count(DISTINCT holder) FROM shard WHERE state = 'running'"
-_OLDEST = """
+OLDEST_QUEUED_S = """
 SELECT coalesce(extract(epoch FROM clock_timestamp() - min(greatest(created_at, sent_at))), 0)
 FROM shard WHERE state = 'queued'
 """
@@ -74,7 +74,7 @@ class ServiceCollector(Collector):
                 for name, query in (("runs", _RUNS), ("shards", _SHARDS), ("recent", _RECENT), ("tallies", _TALLIES))
             }
             n_holders = session.execute(text(_HOLDERS)).scalar_one()
-            oldest_s = session.execute(text(_OLDEST)).scalar_one()
+            oldest_s = session.execute(text(OLDEST_QUEUED_S)).scalar_one()
         runs = GaugeMetricFamily("dropflow_runs", "Runs by state.", labels=["state"])
         for state, n in rows["runs"]:
             runs.add_metric([state], n)
