@@ -10,6 +10,7 @@ from sqlalchemy.exc import ProgrammingError
 from starlette.types import Lifespan
 
 from backend.administration.endpoints import router as administration
+from backend.comparisons.endpoints import router as comparisons
 from backend.experiments.endpoints import router as experiments
 from backend.flow.endpoints import router as flow
 from backend.forms.endpoints import router as forms
@@ -91,7 +92,7 @@ def bare_app(lifespan: Lifespan[FastAPI] | None = None) -> FastAPI:
     )
     api = APIRouter(prefix=API, dependencies=[Depends(check_media)])
     lab = (session_router, account_router, people_router, groups, invitations_router, tokens, shares, administration)
-    films = (experiments, stacks, uploads, runs, results, trajectories, flow, quality, planning, previews)
+    films = (experiments, stacks, uploads, runs, results, trajectories, flow, quality, comparisons, planning, previews)
     for router in (health, forms, *lab, *films):
         api.include_router(router)
     app.include_router(api)

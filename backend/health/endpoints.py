@@ -17,7 +17,7 @@ router = APIRouter(tags=["health"])
 log = structlog.get_logger()
 
 
-API_VERSION = "1.1"
+API_VERSION = "1.2"
 """Of /api/v1: a minor version only adds. `docs/reference/rest-api.md` says what each added."""
 
 

@@ -1,6 +1,6 @@
 """Which figures a run has, and what each takes."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 
 from backend.platform.problems import InvalidRequest
 from backend.results.schemas import FigureEntry, FigureName, FigureParameter, FigureQuery
@@ -10,7 +10,8 @@ from dropflow.statistics.facts import FilmFacts
 from dropflow.statistics.oscillations import Signal
 
 _DOCS = "explanation/figures"
-_LATER = {
+LATER = {
+    Needs.NOTHING: "It appears when the frames are known.",
     Needs.DETECT: "It appears when the first frames are detected.",
     Needs.TRACK: "It appears when the droplets are tracked.",
     Needs.ANALYSE: "It appears when the analysis is complete.",
@@ -25,7 +26,7 @@ def entries(facts: FilmFacts, done: Collection[str], *, duration_s: float) -> li
 def _entry(entry: Entry, facts: FilmFacts, done: Collection[str], duration_s: float) -> FigureEntry:
     reason = entry.missing(facts)
     if reason is None and entry.needs is not Needs.NOTHING and entry.needs not in done:
-        reason = _LATER[entry.needs]
+        reason = LATER[entry.needs]
     return FigureEntry(
         name=FigureName(entry.name),
         title=entry.title,
@@ -34,13 +35,14 @@ def _entry(entry: Entry, facts: FilmFacts, done: Collection[str], duration_s: fl
         how=entry.how,
         docs=f"{_DOCS}/{entry.docs}.md",
         has_table=entry.table is not None,
-        parameters=[_parameter(parameter, facts, duration_s) for parameter in entry.parameters],
+        parameters=[shown_parameter(parameter, facts, duration_s) for parameter in entry.parameters],
         is_available=reason is None,
         reason=reason,
     )
 
 
-def _parameter(parameter: Parameter, facts: FilmFacts, duration_s: float) -> FigureParameter:
+def shown_parameter(parameter: Parameter, facts: FilmFacts, duration_s: float) -> FigureParameter:
+    """A parameter with the range that a film has for it."""
     detection = facts.parameters.detection
     ranges = {
         "s": (0.0, duration_s),
@@ -64,14 +66,18 @@ def _parameter(parameter: Parameter, facts: FilmFacts, duration_s: float) -> Fig
 def checked(name: FigureName, query: FigureQuery) -> Entry:
     """The entry of a figure; parameters that it does not take, or needs and was not given, are an error."""
     entry = BY_NAME[name]
-    taken = {parameter.name for parameter in entry.parameters}
-    given = query.model_dump(exclude_none=True)
+    check_parameters(name, entry.parameters, query.model_dump(exclude_none=True))
+    return entry
+
+
+def check_parameters(name: str, parameters: Sequence[Parameter], given: Collection[str]) -> None:
+    """Refuse what a figure does not take, and that it is not given what it needs."""
+    taken = {parameter.name for parameter in parameters}
     problems = [FieldProblem(field, f"{name} does not take it") for field in given if field not in taken]
     problems += [
         FieldProblem(parameter.name, "is needed")
-        for parameter in entry.parameters
+        for parameter in parameters
         if parameter.is_required and parameter.name not in given
     ]
     if problems:
         raise InvalidRequest("The figure cannot be drawn so.", fields=problems)
-    return entry

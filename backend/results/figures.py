@@ -42,10 +42,11 @@ def table_of(entry: Entry, found: Findings) -> Iterator[bytes]:
     """The numbers of a figure as CSV, the first line of which says where they come from."""
     assert entry.table is not None  # noqa: S101 - whoever asks has looked
     # Made before the answer begins: what is wrong must still become an error.
-    return _csv(entry.table(found), json.dumps(dict(found.facts.provenance)))
+    return as_csv(entry.table(found), json.dumps(dict(found.facts.provenance)))
 
 
-def _csv(table: pl.DataFrame, about: str) -> Iterator[bytes]:
+def as_csv(table: pl.DataFrame, about: str) -> Iterator[bytes]:
+    """A table, its first line a comment that says where it comes from."""
     yield f"# dropflow: {about}\n".encode()
     yield table.clear().write_csv().encode()
     for start in range(0, len(table), _ROWS_AT_ONCE):

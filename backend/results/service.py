@@ -124,24 +124,29 @@ def frame_figure(asker: Asker, store: ObjectStore, name: FigureName, query: Figu
 
 
 def _facts(asker: Asker, entry: Entry) -> FilmFacts:
-    facts = film.facts_of(asker.run(), asker.shape())
+    facts = facts_of(asker)
     if missing := entry.missing(facts):
         raise NotOfThisFilm(missing)
     return facts
 
 
+def facts_of(asker: Asker) -> FilmFacts:
+    """What statistics must know of the film of a run."""
+    return film.facts_of(asker.run(), asker.shape())
+
+
 def _findings(asker: Asker, store: ObjectStore, entry: Entry, query: FigureQuery) -> Findings:
     facts = _facts(asker, entry)
-    return figures.findings(facts, _condensed(asker, store, entry, facts), query)
+    return figures.findings(facts, condensed(asker, store, entry.needs, facts), query)
 
 
-def _condensed(asker: Asker, store: ObjectStore, entry: Entry, facts: FilmFacts) -> Condensed:
+def condensed(asker: Asker, store: ObjectStore, needs: Needs, facts: FilmFacts) -> Condensed:
     """What the analysis left, or while it is not complete what the stages before have counted."""
     done = asker.done()
-    # Runs of the first version have left no statistics: of them there is what was counted while they went.
     if "analyse" in done and _has(analysed := asker.product("analyse"), STATISTICS_FILE):
         return film.stored(store, analysed)
-    if entry.needs is not Needs.NOTHING and entry.needs not in done:
+    # Runs of the first version have left no statistics: of them there is what was counted while they went.
+    if needs is not Needs.NOTHING and needs not in done - {"analyse"}:
         raise NotYet
     session, viewer, run_id = asker.session, asker.viewer, asker.run_id
     return film.LiveCondensed(

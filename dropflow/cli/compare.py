@@ -3,7 +3,6 @@
 import csv
 import json
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -13,6 +12,7 @@ from dropflow.cli.server_options import ServerAddress, is_results_folder
 from dropflow.client import Client, WentWrong
 from dropflow.errors import DropflowError
 from dropflow.results import open_results
+from dropflow.statistics.side_by_side import flat
 
 Json = dict[str, Any]
 
@@ -33,7 +33,7 @@ def compare(
     """
     if len(runs) < 2:
         raise DropflowError("Give two runs or more.", code="compare.one_run")
-    columns = [dict(_numbers(summary)) for summary in _summaries(runs, server)]
+    columns = [dict(flat(summary)) for summary in _summaries(runs, server)]
     names = list(dict.fromkeys(name for column in columns for name in column))
     rows = [[name, *(_text(column.get(name)) for column in columns)] for name in names]
     shown = [row for row in rows if is_all or len(set(row[1:])) > 1]
@@ -59,15 +59,6 @@ def _summary(client: Client, run: str) -> Json:
     if found.summary is None:
         raise WentWrong(f"The run {run} is {found.state}: it has no results.", code="client.not_yet")
     return found.summary
-
-
-def _numbers(content: Any, name: str = "") -> Iterator[tuple[str, Any]]:
-    """Everything in a document under its dotted name."""
-    if isinstance(content, dict):
-        for key, value in content.items():
-            yield from _numbers(value, f"{name}.{key}".lstrip("."))
-    else:
-        yield name, content
 
 
 def _text(value: Any) -> str:

@@ -1,6 +1,6 @@
 """How every figure looks: fit to print, one font, colours that colour-blind readers can tell apart."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from textwrap import wrap
 from typing import Any
 
@@ -19,6 +19,9 @@ BLUE, ORANGE, GREEN, VERMILION, PURPLE, SKY, BLACK = (
     "#000000",
 )
 COLOURS = (BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY, BLACK)
+
+COLOURS_OF_RUNS = (BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY, "#7D7D7D", "#B8A800")
+"""Of analyses beside each other; on the pages of the service a run of number n has the colour n - 1."""
 
 WIDTH_PX, HEIGHT_PX = 760, 520
 MAX_COLUMNS = 600
@@ -76,6 +79,18 @@ def _axis() -> dict[str, Any]:
         "zeroline": False,
         "automargin": False,
     }
+
+
+def stacked_axes(figure: go.Figure, titles: Sequence[str]) -> go.Figure:
+    """Stack one y axis a title over one x axis, the first at the bottom, so that a brushed range of x holds for all."""
+    gap = 0.08
+    height = (1 - gap * (len(titles) - 1)) / len(titles)
+    look = figure.layout.yaxis.to_plotly_json()
+    for number, title in enumerate(titles):
+        low = number * (height + gap)
+        place = {"title": {"text": title}, "domain": [low, min(low + height, 1)], "anchor": "x"}
+        figure.update_layout({f"yaxis{number + 1 if number else ''}": {**look, **place, "rangemode": "tozero"}})
+    return figure.update_layout(xaxis={"anchor": "y", "mirror": "all"})
 
 
 def say_empty(figure: go.Figure, what: str) -> go.Figure:

@@ -15,6 +15,7 @@ from dropflow.figures.layout import (
     VERMILION,
     new_figure,
     say_empty,
+    stacked_axes,
     time_axis,
 )
 from dropflow.statistics.histograms import FrameHistograms, coarsen
@@ -44,12 +45,12 @@ def moments(
     factor, unit = time_axis(shown.time_s)
     breaks = np.flatnonzero(shown.first_frame[1:] > shown.last_frame[:-1] + 1) + 1
     lines = _Lines(figure, shown.time_s * factor, breaks)
-    _split_in_three(figure)
+    fraction = "volume fraction" if found.is_volume_fraction else "area fraction"
+    stacked_axes(figure, [fraction, "radius (µm)", "droplets per frame"])
     figure.update_layout(
         xaxis={"title": {"text": f"time t ({unit})"}},
-        yaxis={"title": {"text": "volume fraction" if found.is_volume_fraction else "area fraction"}},
-        yaxis2={"title": {"text": "radius (µm)"}},
-        yaxis3={"title": {"text": "droplets per frame"}},
+        legend={"x": 1.01, "y": 0.5, "xanchor": "left"},
+        margin={"r": 190},
     )
     if not len(shown) or not shown.moments[:, 0].any():
         return say_empty(figure, "no droplets")
@@ -60,22 +61,8 @@ def moments(
         name = f"{percent:.0f} % are smaller"
         line = {"color": SKY, "width": 1, "dash": "dash" if percent == 50 else "dot"}
         lines.draw(radius_um, "y2", name=name, line=line)
-    name = "volume fraction" if found.is_volume_fraction else "area fraction"
-    lines.add(found.fraction, found.fraction_std, name, GREEN, "y")
+    lines.add(found.fraction, found.fraction_std, fraction, GREEN, "y")
     return figure
-
-
-def _split_in_three(figure: go.Figure) -> None:
-    """Stack three y axes over one x axis, so that a brushed time range holds for all."""
-    look = figure.layout.yaxis.to_plotly_json()
-    figure.update_layout(
-        xaxis={"anchor": "y", "mirror": "all"},
-        yaxis={"domain": [0, 0.28], "rangemode": "tozero"},
-        yaxis2={**look, "domain": [0.36, 0.64], "anchor": "x", "rangemode": "tozero"},
-        yaxis3={**look, "domain": [0.72, 1], "anchor": "x", "rangemode": "tozero"},
-        legend={"x": 1.01, "y": 0.5, "xanchor": "left"},
-        margin={"r": 190},
-    )
 
 
 @dataclass(frozen=True)

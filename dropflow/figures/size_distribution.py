@@ -53,7 +53,7 @@ def size_distribution(
     factor, unit = time_axis(shown.time_s)
     figure.update_xaxes(title_text=f"time t ({unit})")
     figure.update_yaxes(title_text="radius r (µm)", type="log", range=np.log10(shown.edges_um[[0, -1]]).tolist())
-    figure.update_yaxes(tickmode="array", tickvals=_radius_ticks(shown.edges_um), autorange=False)
+    figure.update_yaxes(tickmode="array", tickvals=radius_ticks(shown.edges_um), autorange=False)
     density = density_of(shown, area_um2=area_um2, observation_depth_um=observation_depth_um)
     if not density.density.any():
         return say_empty(figure, "no droplets")
@@ -90,7 +90,7 @@ def size_distribution_at(
     """
     figure = new_figure(title, caption)
     figure.update_xaxes(title_text="radius r (µm)", type="log", range=np.log10(before.edges_um[[0, -1]]).tolist())
-    figure.update_xaxes(tickmode="array", tickvals=_radius_ticks(before.edges_um))
+    figure.update_xaxes(tickmode="array", tickvals=radius_ticks(before.edges_um))
     figure.update_layout(legend={"orientation": "h", "y": 1.0, "yanchor": "bottom", "x": 1, "xanchor": "right"})
     is_empty = True
     for part, name, colour in ((before, "all detections", SKY), (after, "in trajectories", BLUE)):
@@ -135,7 +135,7 @@ def _with_gaps(histograms: FrameHistograms, values: Floats) -> tuple[Floats, Flo
     return np.array([*edges, ends[-1]]), np.array(columns)
 
 
-def _radius_ticks(edges_um: Floats) -> list[float]:
+def radius_ticks(edges_um: Floats) -> list[float]:
     """1, 2, 3, 5 and their decades within the edges."""
     decades = 10.0 ** np.arange(np.floor(np.log10(edges_um[0])), np.ceil(np.log10(edges_um[-1])) + 1)
     ticks = np.multiply.outer(decades, [1, 2, 3, 5]).ravel()

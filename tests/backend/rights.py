@@ -116,6 +116,10 @@ NEEDS = {
     "exports_get": Needs.VIEW,
     "result_files_list": Needs.VIEW,
     "result_files_download": Needs.VIEW,
+    # /compare
+    "comparison_get": Needs.VIEW,
+    "comparison_figures_get": Needs.VIEW,
+    "comparison_figures_table": Needs.VIEW,
 }
 """By operation id. A new operation stands here, or the tests fail."""
 
@@ -125,6 +129,9 @@ BODIES: dict[str, Json] = {
     "link_previews_create": _WRONG_KNOB,
     "ramps_get": {"params": {"duration_s": 600}},
     "ramps_download": {"params": {"duration_s": 600}},
+    "comparison_get": {"params": {"run": "{run_id}"}},
+    "comparison_figures_get": {"params": {"run": "{run_id}"}},
+    "comparison_figures_table": {"params": {"run": "{run_id}"}},
     "files_upload": {"params": {"name": "a.tif"}, "content": b"II*\0" + bytes(600)},
     "uploads_create": {
         "headers": {"Tus-Resumable": "1.0.0", "Upload-Length": "9", "Upload-Metadata": "filename YS50aWY="}
@@ -139,7 +146,7 @@ BODIES: dict[str, Json] = {
         "content": b"II*\0",
     },
 }
-"""What to send where the example in the OpenAPI document does not do."""
+"""What to send where the example in the OpenAPI document does not do; `{run_id}` in a parameter is that of the walk."""
 
 _MIXTURE = {"name": "water-isobutoxyethanol-illustrative"}
 VALUES: dict[str, dict[str, str]] = {
@@ -150,6 +157,8 @@ VALUES: dict[str, dict[str, str]] = {
     "ramps_download": _MIXTURE,
     "figures_get": {"name": "moments"},
     "figures_table": {"name": "moments"},
+    "comparison_figures_get": {"name": "moments"},
+    "comparison_figures_table": {"name": "moments"},
     "exports_get": {"kind": "csv"},
     "result_files_download": {"name": "summary.json"},
     "frames_picture": {"kind": "webp"},

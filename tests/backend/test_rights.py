@@ -69,7 +69,7 @@ class Walk:
         values |= VALUES.get(operation, {}) | {"frame": "0"}
         values["person_id"] = str(self.people.get(who, uuid4()))
         address = path.format(**{name: values.get(name) or _unknown(name) for name in _parameters(path)})
-        with self.client(who).stream(method, address, **_body(operation, about, self.group)) as answer:
+        with self.client(who).stream(method, address, **_body(operation, about, self.things)) as answer:
             if answer.status_code < 400:
                 return answer.status_code, ""
             answer.read()
@@ -95,9 +95,11 @@ def _unknown(name: str) -> str:
     return str(uuid4())
 
 
-def _body(operation: str, about: Json, group: UUID) -> Json:
+def _body(operation: str, about: Json, things: dict[str, UUID]) -> Json:
     if operation in BODIES:
-        return BODIES[operation]
+        body = BODIES[operation]
+        params = {name: str(value).format(**things) for name, value in body.get("params", {}).items()}
+        return body | ({"params": params} if params else {})
     content = about.get("requestBody", {}).get("content", {})
     if "application/json" not in content:
         assert not about.get("requestBody", {}).get("required"), f"say in BODIES what {operation} is sent"
@@ -106,7 +108,7 @@ def _body(operation: str, about: Json, group: UUID) -> Json:
     model = DOCUMENT["components"]["schemas"][schema["$ref"].rpartition("/")[2]] if "$ref" in schema else schema
     assert "examples" in model, f"give the body of {operation} an example"
     body: dict[str, Any] = dict(model["examples"][0])
-    return {"json": body | ({"group_id": str(group)} if operation == "experiments_create" else {})}
+    return {"json": body | ({"group_id": str(things["group_id"])} if operation == "experiments_create" else {})}
 
 
 def test_every_operation_has_an_expectation() -> None:

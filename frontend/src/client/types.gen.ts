@@ -167,6 +167,163 @@ export type ChangePerson = {
 };
 
 /**
+ * ComparedField
+ *
+ * A field in which not all runs are alike.
+ */
+export type ComparedField = {
+    /**
+     * Name
+     */
+    name: string;
+    /**
+     * Values
+     */
+    values: Array<unknown>;
+};
+
+/**
+ * ComparedNumber
+ *
+ * A number of all runs.
+ */
+export type ComparedNumber = {
+    /**
+     * Name
+     */
+    name: string;
+    /**
+     * Stds
+     */
+    stds: Array<number | null> | null;
+    /**
+     * Title
+     */
+    title: string;
+    /**
+     * Unit
+     */
+    unit: string | null;
+    /**
+     * Values
+     */
+    values: Array<number | null>;
+};
+
+/**
+ * ComparedRun
+ *
+ * One of the runs.
+ */
+export type ComparedRun = {
+    /**
+     * Colour
+     */
+    colour: string;
+    /**
+     * Created At
+     */
+    created_at: string;
+    /**
+     * Experiment Id
+     */
+    experiment_id: string;
+    /**
+     * Experiment Name
+     */
+    experiment_name: string;
+    /**
+     * Id
+     */
+    id: string;
+    /**
+     * Label
+     */
+    label: string;
+    /**
+     * N Frames
+     */
+    n_frames: number | null;
+    /**
+     * Number
+     */
+    number: number;
+    state: RunState;
+    /**
+     * Version
+     */
+    version: string;
+};
+
+/**
+ * Comparison
+ *
+ * Runs beside each other.
+ */
+export type Comparison = {
+    /**
+     * Experiment
+     */
+    experiment: Array<ComparedField>;
+    /**
+     * Figures
+     */
+    figures: Array<ComparisonFigureEntry>;
+    /**
+     * Numbers
+     */
+    numbers: Array<ComparedNumber>;
+    /**
+     * Parameters
+     */
+    parameters: Array<ComparedField>;
+    /**
+     * Runs
+     */
+    runs: Array<ComparedRun>;
+};
+
+/**
+ * ComparisonFigureEntry
+ *
+ * A figure that can be asked for.
+ */
+export type ComparisonFigureEntry = {
+    /**
+     * Docs
+     */
+    docs: string;
+    /**
+     * How
+     */
+    how: string;
+    /**
+     * Is Available
+     */
+    is_available: boolean;
+    name: ComparisonFigureName;
+    /**
+     * Parameters
+     */
+    parameters: Array<FigureParameter>;
+    /**
+     * Reason
+     */
+    reason: string | null;
+    /**
+     * Title
+     */
+    title: string;
+};
+
+/**
+ * ComparisonFigureName
+ *
+ * The figures of several runs: `dropflow.figures.compared` says what each is.
+ */
+export type ComparisonFigureName = 'size_distribution_at' | 'moments' | 'velocity_against_radius' | 'flow_moments' | 'periods_against_driving';
+
+/**
  * Difference
  *
  * Something that went into a stage of this run and not of the earlier one.
@@ -2954,6 +3111,236 @@ export type AuditListResponses = {
 };
 
 export type AuditListResponse = AuditListResponses[keyof AuditListResponses];
+
+export type ComparisonGetData = {
+    body?: never;
+    path?: never;
+    query: {
+        /**
+         * Run
+         *
+         * Ids of runs: `run=...&run=...`.
+         */
+        run: Array<string>;
+    };
+    url: '/api/v1/compare';
+};
+
+export type ComparisonGetErrors = {
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type ComparisonGetError = ComparisonGetErrors[keyof ComparisonGetErrors];
+
+export type ComparisonGetResponses = {
+    /**
+     * Successful Response
+     */
+    200: Comparison;
+};
+
+export type ComparisonGetResponse = ComparisonGetResponses[keyof ComparisonGetResponses];
+
+export type ComparisonFiguresGetData = {
+    body?: never;
+    path: {
+        name: ComparisonFigureName;
+    };
+    query: {
+        /**
+         * Run
+         *
+         * Ids of runs: `run=...&run=...`.
+         */
+        run: Array<string>;
+        /**
+         * From S
+         *
+         * Leave out what is before.
+         */
+        from_s?: number | null;
+        /**
+         * To S
+         *
+         * Leave out what is after.
+         */
+        to_s?: number | null;
+        /**
+         * Radius Min Um
+         *
+         * Leave out smaller droplets.
+         */
+        radius_min_um?: number | null;
+        /**
+         * Radius Max Um
+         *
+         * Leave out larger droplets.
+         */
+        radius_max_um?: number | null;
+        /**
+         * Signal
+         *
+         * In what oscillations are looked for.
+         */
+        signal?: Signal | null;
+    };
+    url: '/api/v1/compare/figures/{name}';
+};
+
+export type ComparisonFiguresGetErrors = {
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type ComparisonFiguresGetError = ComparisonFiguresGetErrors[keyof ComparisonFiguresGetErrors];
+
+export type ComparisonFiguresGetResponses = {
+    /**
+     * Successful Response
+     */
+    200: Figure;
+};
+
+export type ComparisonFiguresGetResponse = ComparisonFiguresGetResponses[keyof ComparisonFiguresGetResponses];
+
+export type ComparisonFiguresTableData = {
+    body?: never;
+    path: {
+        name: ComparisonFigureName;
+    };
+    query: {
+        /**
+         * Run
+         *
+         * Ids of runs: `run=...&run=...`.
+         */
+        run: Array<string>;
+        /**
+         * From S
+         *
+         * Leave out what is before.
+         */
+        from_s?: number | null;
+        /**
+         * To S
+         *
+         * Leave out what is after.
+         */
+        to_s?: number | null;
+        /**
+         * Radius Min Um
+         *
+         * Leave out smaller droplets.
+         */
+        radius_min_um?: number | null;
+        /**
+         * Radius Max Um
+         *
+         * Leave out larger droplets.
+         */
+        radius_max_um?: number | null;
+        /**
+         * Signal
+         *
+         * In what oscillations are looked for.
+         */
+        signal?: Signal | null;
+    };
+    url: '/api/v1/compare/figures/{name}/table.csv';
+};
+
+export type ComparisonFiguresTableErrors = {
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type ComparisonFiguresTableError = ComparisonFiguresTableErrors[keyof ComparisonFiguresTableErrors];
+
+export type ComparisonFiguresTableResponses = {
+    /**
+     * The table; its first line is a comment.
+     */
+    200: unknown;
+};
 
 export type ExperimentsListData = {
     body?: never;
