@@ -21,6 +21,7 @@ import pyarrow.parquet as pq
 
 from dropflow.parameters import Parameters
 from dropflow.tables import DROPLETS, TRAJECTORIES
+from dropflow.tracking.events import EVENTS
 from dropflow.tracking.flow_store import create_flow_store
 from dropflow.tracking.grid import Grid
 
@@ -41,6 +42,7 @@ def write_tables(folder: Path, n_frames: int, n_droplets: int) -> None:
     ):
         for group in range(table.num_row_groups):
             writer.write_table(table.read_row_group(group, columns=DROPLETS.names).sort_by("frame"))
+    pq.write_table(EVENTS.empty_table(), folder / "events.parquet")
     write_flow(folder / "flow.zarr", n_frames, rng)
     write_summary(folder, n_frames)
 

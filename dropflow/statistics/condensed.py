@@ -18,14 +18,13 @@ import pyarrow.parquet as pq
 from dropflow.physics.over_time import MaterialOverTime, material_over_time
 from dropflow.progress import Progress, silent
 from dropflow.statistics.calibration import Calibration, self_calibration
-from dropflow.statistics.coalescence import coalescence_events
+from dropflow.statistics.coalescence import coalescences
 from dropflow.statistics.facts import FilmFacts
 from dropflow.statistics.flow_correlation import FlowCorrelation, flow_correlation
 from dropflow.statistics.flow_moments import FlowMoments, flow_moments
 from dropflow.statistics.histograms import FrameHistograms, radius_edges_um
 from dropflow.statistics.in_sight import InSight, in_sight
 from dropflow.statistics.lengths import ObservedDepth, observed_depth
-from dropflow.statistics.sedimentation import radius_scatter
 from dropflow.statistics.table_histograms import histograms_of_table
 from dropflow.statistics.trajectories import summarise_table
 
@@ -56,8 +55,6 @@ STATISTICS_COLUMNS = (
 """What figures need of the table of trajectories; the rest is not read for them."""
 
 N_RADIUS_BINS = 20
-_FALLBACK_RADIUS_STD = 0.05
-_LEAST_RADIUS_STD = 0.01
 _MEAN_OF_GAUSSIAN = float(np.sqrt(2 / np.pi))
 """Mean magnitude over rms."""
 
@@ -170,7 +167,7 @@ def condense(
     Parameters
     ----------
     folder
-        Holds ``droplets.parquet``, ``trajectories.parquet`` and ``flow.zarr``.
+        Holds ``droplets.parquet``, ``trajectories.parquet``, ``events.parquet`` and ``flow.zarr``.
     facts
         What was filmed.
     times_s, temperature_c
@@ -214,7 +211,7 @@ def condense(
         depth=_depth(facts, trajectories, flow),
         seen=in_sight(trajectories, fine_um),
         trajectories=trajectories,
-        events=done(_events(facts, trajectories)),
+        events=done(coalescences(folder / "events.parquet", pixel_size_um=experiment.pixel_size_um)),
     )
 
 
@@ -228,19 +225,6 @@ def _depth(facts: FilmFacts, trajectories: pl.DataFrame, flow: FlowMoments) -> O
         frame_size_um=facts.extent_um,
         depth_speed_um_s=sideways_um_s,
         sideways_speed_um_s=sideways_um_s,
-    )
-
-
-def _events(facts: FilmFacts, trajectories: pl.DataFrame) -> pl.DataFrame:
-    relative_std = radius_scatter(trajectories, statistics_edges_um(facts)).relative
-    if not np.isfinite(relative_std):
-        relative_std = _FALLBACK_RADIUS_STD
-    width_um, height_um = facts.field_um
-    # Means of three frames at either end vary less than single radii.
-    return coalescence_events(
-        trajectories,
-        relative_radius_std=max(relative_std, _LEAST_RADIUS_STD) / np.sqrt(3),
-        frame_shape_um=(height_um, width_um),
     )
 
 

@@ -27,8 +27,6 @@ COLUMNS = {
     "x_first_um": pl.Float64,
     "y_first_um": pl.Float64,
     "r_first_um": pl.Float64,
-    "x_next_um": pl.Float64,
-    "y_next_um": pl.Float64,
     "x_last_um": pl.Float64,
     "y_last_um": pl.Float64,
     "r_last_um": pl.Float64,
@@ -37,13 +35,12 @@ COLUMNS = {
 
 `r_std_um` is the scatter of the radius about its own straight line in time; `growth_um_s` is that line's slope.
 `rise_um_s` and `aside_um_s` are the mean velocity along `up` and to its right, from the first place to the last.
-`r_first_um`, `r_last_um` are means of three frames at the ends. `x_next_um`, `y_next_um` is where the droplet would be
-one frame after its last, by its last velocity.
+`r_first_um`, `r_last_um` are means of three frames at the ends.
 """
 
 _FRAMES_AT_ENDS = 3
 _ROWS_AT_ONCE = 1 << 19
-_NEEDED = ["trajectory_id", "frame", "time_s", "x_um", "y_um", "r_um", "u_um_s", "v_um_s", "sedimentation_um_s"]
+_NEEDED = ["trajectory_id", "frame", "time_s", "x_um", "y_um", "r_um", "sedimentation_um_s"]
 
 
 def summarise_trajectories(rows: pl.LazyFrame, up: Direction = (0.0, -1.0)) -> pl.DataFrame:
@@ -77,8 +74,6 @@ def summarise_trajectories(rows: pl.LazyFrame, up: Direction = (0.0, -1.0)) -> p
             x_last_um=pl.col("x_um").last(),
             y_last_um=pl.col("y_um").last(),
             r_last_um=radius.tail(_FRAMES_AT_ENDS).mean(),
-            u_last=pl.col("u_um_s").last(),
-            v_last=pl.col("v_um_s").last(),
         )
         .collect(engine="streaming")
     )
@@ -122,15 +117,12 @@ def _finished(condensed: pl.DataFrame, up: Direction) -> pl.DataFrame:
     residual = (spread_r - slope * spread_tr).clip(lower_bound=0)
     variance = pl.when(n > 2).then(residual / (n - 2))
     moved = pl.col("dt") > 0
-    frame_s = pl.col("dt") / (pl.col("last_frame") - pl.col("first_frame"))
     return condensed.with_columns(
         growth_um_s=slope,
         growth_std_um_s=pl.when(spread_t > 0).then((variance / spread_t).sqrt()),
         r_std_um=variance.sqrt(),
         rise_um_s=pl.when(moved).then((pl.col("dx") * up[0] + pl.col("dy") * up[1]) / pl.col("dt")),
         aside_um_s=pl.when(moved).then((pl.col("dx") * -up[1] + pl.col("dy") * up[0]) / pl.col("dt")),
-        x_next_um=pl.col("x_last_um") + pl.when(moved).then(pl.col("u_last") * frame_s).otherwise(0.0),
-        y_next_um=pl.col("y_last_um") + pl.when(moved).then(pl.col("v_last") * frame_s).otherwise(0.0),
     )
 
 

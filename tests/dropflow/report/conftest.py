@@ -15,6 +15,7 @@ from dropflow.provenance import UNITS, code_version
 from dropflow.simulation.oscillating import OSCILLATING, Waves, write_oscillating
 from dropflow.simulation.scenario import Scenario, changed
 from dropflow.tables import DROPLETS
+from dropflow.tracking.events import EVENTS
 from tests.dropflow.statistics.truth import write_as_trajectories
 
 WAVES = Waves(n_waves=4, period_s=30.0, growth_um_s=0.3)
@@ -28,6 +29,7 @@ def write_results(folder: Path, film: Path, scenario: Scenario, *, experiment: d
     write_as_trajectories(film / "truth.parquet", folder / "trajectories.parquet", radius_std=0.03)
     rows = pq.read_table(folder / "trajectories.parquet")
     pq.write_table(rows.select(DROPLETS.names).sort_by("frame"), folder / "droplets.parquet")
+    pq.write_table(EVENTS.empty_table(), folder / "events.parquet")
     shutil.copytree(film / "truth_flow.zarr", folder / "flow.zarr")
     document = yaml.safe_load((film / "experiment.yaml").read_text()) | {"name": NAME} | (experiment or {})
     n_frames = int(yaml.safe_load((film / "scenario.yaml").read_text())["n_frames"])

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import polars as pl
+import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
@@ -12,7 +13,7 @@ from dropflow.simulation.film import Film
 from dropflow.simulation.scenario import Scenario
 from dropflow.simulation.write import write_experiment
 from dropflow.statistics.calibration import self_calibration
-from dropflow.statistics.coalescence import coalescence_events, coalescence_rates
+from dropflow.statistics.coalescence import coalescence_rates, coalescences
 from dropflow.statistics.growth import Growth, collision_efficiency, growth_by_radius, swept_growth_um_s
 from dropflow.statistics.histograms import FrameHistograms, radius_edges_um
 from dropflow.statistics.lengths import observed_depth, trajectory_lengths
@@ -21,10 +22,11 @@ from dropflow.statistics.sedimentation import radius_scatter, velocity_by_radius
 from dropflow.statistics.table_histograms import histograms_of_table
 from dropflow.statistics.trajectories import open_trajectories, summarise_trajectories
 from dropflow.tables import TRAJECTORIES
-from tests.dropflow.statistics.truth import write_as_trajectories
+from dropflow.tracking.events import EVENTS
+from tests.dropflow.statistics.truth import Fates, droplets_of_rows, large_coalescences, seen_of_truth
+from tests.dropflow.tracking.tracked import tracked
 
 EDGES_UM = radius_edges_um(4.0, 40.0, 10)
-FRAME_UM = (600.0, 800.0)
 
 
 def table(rows: list[tuple[int, int, float, float, float]]) -> pl.LazyFrame:
@@ -46,59 +48,64 @@ def table(rows: list[tuple[int, int, float, float, float]]) -> pl.LazyFrame:
     )
 
 
-def pair_and_product(product_r: float, product_frame: int = 5) -> pl.DataFrame:
-    one = [(1, frame, 100.0, 100.0, 10.0) for frame in range(5)]
-    two = [(2, frame, 118.0, 100.0, 12.0) for frame in range(2, 5)]
-    made = [(3, product_frame + i, 111.0, 100.0, product_r) for i in range(4)]
-    return summarise_trajectories(table(one + two + made))
-
-
-def test_two_that_end_where_one_with_their_volume_begins_have_coalesced() -> None:
-    trajectories = pair_and_product((10.0**3 + 12.0**3) ** (1 / 3))
-    events = coalescence_events(trajectories, relative_radius_std=0.03, frame_shape_um=FRAME_UM)
-    (event,) = events.to_dicts()
-    assert (event["parent_1"], event["parent_2"], event["product"], event["frame"]) == (1, 2, 3, 5)
-    rates = coalescence_rates(events, EDGES_UM, area_um2=4.8e5, duration_s=8.0)
-    assert rates.counts.sum() == 1
+def test_what_tracking_saw_coalesce_is_counted_by_size(tmp_path: Path) -> None:
+    nothing = dict.fromkeys(EVENTS.names)
+    pair = {"kind": "coalescence", "trajectory_id": 2, "other_id": 1, "product_id": 3, "r_1_um": 12.0, "r_2_um": 10.0}
+    rows = [
+        {**nothing, **pair, "frame": 5, "time_s": 5.0, "x_px": 160.0, "y_px": 80.0, "r_um": 14.0},
+        {**nothing, "kind": "birth", "frame": 6, "trajectory_id": 7},
+    ]
+    pq.write_table(pa.Table.from_pylist(rows, schema=EVENTS), tmp_path / "events.parquet")
+    found = coalescences(tmp_path / "events.parquet", pixel_size_um=0.5)
+    (event,) = found.to_dicts()
+    assert (event["parent_1"], event["parent_2"], event["product"], event["frame"]) == (2, 1, 3, 5)
+    assert (event["x_um"], event["y_um"], event["r_product_um"]) == (80.0, 40.0, 14.0)
+    rates = coalescence_rates(found, EDGES_UM, area_um2=4.8e5, duration_s=8.0)
+    smaller, larger = np.searchsorted(EDGES_UM, [10.0, 12.0]) - 1
+    assert np.argwhere(rates.counts).tolist() == [[smaller, larger]]
     assert rates.rate_per_um2_s.sum() == pytest.approx(1 / (4.8e5 * 8))
 
 
-@pytest.mark.parametrize(("product_r", "product_frame"), [(17.0, 5), (10.0, 5), (14.0, 7)])
-def test_volume_lost_or_gained_or_a_later_beginning_is_no_coalescence(product_r: float, product_frame: int) -> None:
-    events = coalescence_events(
-        pair_and_product(product_r, product_frame), relative_radius_std=0.03, frame_shape_um=FRAME_UM
-    )
-    assert events.is_empty()
+def test_results_without_events_are_refused_and_not_taken_for_films_without_coalescence(tmp_path: Path) -> None:
+    with pytest.raises(ResultsError, match="missing") as refused:
+        coalescences(tmp_path / "events.parquet", pixel_size_um=0.5)
+    assert refused.value.file == str(tmp_path / "events.parquet")
+    assert "again" in str(refused.value.hint)
 
 
-def test_simulated_coalescences_are_found_and_few_are_made_up(tmp_path: Path) -> None:
-    """Of those whose three partners are seen and followed, most; of those found, most are true."""
+def test_of_coalescences_that_are_found_few_are_made_up_and_large_ones_are_found(tmp_path: Path) -> None:
+    """At least 4 of 5 are true, both partners parts of one droplet then: by the identity of droplets, not by place.
+
+    A quarter at least is found of those in sight whose smaller partner brings a fifth of the larger one's volume.
+    """
     scenario = Scenario(
         name="coalescing",
-        height_px=700,
-        width_px=800,
+        height_px=500,
+        width_px=600,
         n_droplets=2000,
         collision_efficiency=0.6,
         frame_interval_s=0.5,
         growth_um_s=0.0,
     )
     write_experiment(tmp_path / "film", Film(scenario, 2), 60, with_images=False)
-    write_as_trajectories(tmp_path / "film" / "truth.parquet", tmp_path / "t.parquet", radius_std=0.02)
-    trajectories = summarise_trajectories(open_trajectories(tmp_path / "t.parquet"))
-    truth = pl.read_csv(tmp_path / "film" / "events.csv").filter(pl.col("kind") == "coalescence")
-    pixel = scenario.pixel_size_um
-    height_um, width_um = 700 * pixel, 800 * pixel
-    found = coalescence_events(trajectories, relative_radius_std=0.02, frame_shape_um=(height_um, width_um))
-    is_true = [
-        any(
-            abs(event["time_s"] - real["time_s"]) <= 0.51
-            and np.hypot(event["x_um"] - real["x_px"] * pixel, event["y_um"] - real["y_px"] * pixel) < 15
-            for real in truth.iter_rows(named=True)
+    seen = seen_of_truth(tmp_path / "film", radius_std=0.02)
+    result = tracked(seen, tmp_path)
+    found = coalescences(result.events, pixel_size_um=scenario.pixel_size_um)
+    rows, fates = droplets_of_rows(seen, result.trajectories), Fates.read(tmp_path / "film")
+    is_true, known = [], set()
+    for event in found.iter_rows(named=True):
+        before = rows.filter(pl.col("frame") < event["frame"])
+        one, other = (
+            before.filter(pl.col("trajectory_id") == event[name])["droplet_id"][-1] for name in ("parent_1", "parent_2")
         )
-        for event in found.iter_rows(named=True)
-    ]
+        became = fates.at(one, event["frame"])
+        is_true.append(one != other and became == fates.at(other, event["frame"]))
+        known.add(became)
     assert len(is_true) >= 5
-    assert np.mean(is_true) > 0.7
+    assert np.mean(is_true) >= 0.8
+    large = large_coalescences(tmp_path / "film", fates)
+    assert len(large) >= 10
+    assert len(large & known) >= len(large) / 4
 
 
 def test_a_droplet_that_takes_up_all_in_its_way_has_efficiency_one() -> None:
@@ -145,7 +152,6 @@ def test_a_table_without_trajectories_gives_empty_statistics(tmp_path: Path) -> 
     assert radius_scatter(nothing, EDGES_UM).scatter.n.sum() == 0
     assert growth_by_radius(nothing, EDGES_UM).rate.n.sum() == 0
     assert trajectory_lengths(nothing, EDGES_UM, frame_height_um=1e3).counts.sum() == 0
-    assert coalescence_events(nothing, relative_radius_std=0.05, frame_shape_um=FRAME_UM).is_empty()
     depth = observed_depth(nothing, EDGES_UM, frame_size_um=(1e3, 1e3), depth_speed_um_s=1.0, sideways_speed_um_s=1.0)
     assert np.isnan(depth.per_radius)
     found = self_calibration(
