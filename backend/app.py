@@ -50,6 +50,7 @@ from backend.tokens.endpoints import router as tokens
 from backend.trajectories.endpoints import router as trajectories
 from backend.uploads.endpoints import router as uploads
 from backend.uploads.intake import Intakes
+from backend.webhooks.endpoints import router as webhooks
 from dropflow.provenance import code_version
 
 API = "/api/v1"
@@ -91,9 +92,9 @@ def bare_app(lifespan: Lifespan[FastAPI] | None = None) -> FastAPI:
         lifespan=lifespan,
     )
     api = APIRouter(prefix=API, dependencies=[Depends(check_media)])
-    lab = (session_router, account_router, people_router, groups, invitations_router, tokens, shares, administration)
+    lab = (session_router, account_router, people_router, groups, invitations_router, webhooks, tokens, shares)
     films = (experiments, stacks, uploads, runs, results, trajectories, flow, quality, comparisons, planning, previews)
-    for router in (health, forms, *lab, *films):
+    for router in (health, forms, *lab, administration, *films):
         api.include_router(router)
     app.include_router(api)
     problems.install(app)

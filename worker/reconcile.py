@@ -28,6 +28,7 @@ from backend.platform.tallies import tally
 from worker.context import Context, make_context
 from worker.failures import reject_stack, worker_lost
 from worker.leases import MAX_ATTEMPTS, LeaseLost, is_expired, release
+from worker.notices import Teller, forget_old
 from worker.outcomes import lock_experiment, lock_run
 from worker.storage import Sweeper, expire_uploads
 
@@ -40,7 +41,7 @@ def reconcile(context: Context) -> None:
     with context.sessions.begin() as lock:
         if not lock.scalar(text("SELECT pg_try_advisory_xact_lock(hashtext('dropflow.reconcile'))")):
             return
-        for part in (expire_leases, send_again, expire_uploads, remove_doomed):
+        for part in (expire_leases, send_again, expire_uploads, remove_doomed, forget_old):
             try:
                 part(context)
             except (SQLAlchemyError, RedisError, OSError) as problem:
@@ -157,7 +158,8 @@ def main() -> None:
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, lambda *_: stopping.set())
     context = make_context(settings)
-    sweeper = Sweeper()
+    sweeper, teller = Sweeper(), Teller(settings)
+    teller.start()
     while not stopping.is_set():
         try:
             reconcile(context)
@@ -165,6 +167,7 @@ def main() -> None:
         except (SQLAlchemyError, OSError, BaseError) as problem:
             log.warning("database or store away", reason=str(problem).splitlines()[0])
         stopping.wait(settings.reconcile_every_s)
+    teller.stop()
     context.close()
 
 

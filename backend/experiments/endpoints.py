@@ -10,8 +10,15 @@ from fastapi.sse import EventSourceResponse
 
 from backend.experiments import service
 from backend.experiments.errors import NoSuchExperiment, RunActive
-from backend.experiments.schemas import ChangeExperiment, Experiment, ExperimentQuery, Experiments, NewExperiment
-from backend.groups.errors import NoSuchGroup
+from backend.experiments.schemas import (
+    ChangeExperiment,
+    Experiment,
+    ExperimentQuery,
+    Experiments,
+    MoveExperiment,
+    NewExperiment,
+)
+from backend.groups.errors import NoSuchGroup, QuotaExceeded
 from backend.platform.dependencies import EditorDependency, PlatformDependency, SessionDependency, ViewerDependency
 from backend.platform.entity_tags import ChangedMeanwhile, IfMatch, tag_of
 from backend.platform.events import experiment_topic
@@ -71,6 +78,19 @@ def experiments_update(
     """Replace the description. Refused while a run goes on; finished runs keep the description they were made with."""
     changed = service.change(session, viewer, experiment_id, change.experiment, if_match)
     return _tagged(answer, service.shown(session, viewer, changed))
+
+
+@router.put("/{experiment_id}/group", responses=responses(NoSuchExperiment, NoSuchGroup, QuotaExceeded, InvalidRequest))
+def experiments_move(
+    session: SessionDependency,
+    platform: PlatformDependency,
+    viewer: EditorDependency,
+    experiment_id: UUID,
+    move: MoveExperiment,
+) -> Experiment:
+    """Let an experiment, with its runs, belong to another group. You need the right to edit in both."""
+    moved = service.move(session, platform.settings, viewer, experiment_id, move.group_id)
+    return service.shown(session, viewer, moved)
 
 
 @router.delete(

@@ -127,3 +127,13 @@ class ChangeExperiment(BaseModel):
     model_config = ConfigDict(extra="forbid", json_schema_extra={"examples": [{"experiment": EXAMPLE_DOCUMENT}]})
 
     experiment: dict[str, Any]
+
+
+class MoveExperiment(BaseModel):
+    """The group that an experiment is to belong to."""
+
+    model_config = ConfigDict(
+        extra="forbid", json_schema_extra={"examples": [{"group_id": "6f9619ff-8b86-4d01-b42d-00cf4fc964ff"}]}
+    )
+
+    group_id: UUID

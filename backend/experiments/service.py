@@ -8,6 +8,7 @@ from sqlalchemy.orm import Session
 
 from backend.experiments import repository, schemas
 from backend.experiments.errors import DescribesFiles, NoSuchExperiment, RunActive, StackIndexing
+from backend.groups import quotas
 from backend.groups.schemas import Group
 from backend.groups.service import group_for_new
 from backend.models import DoomedObject, Experiment, Run, Stack
@@ -18,6 +19,7 @@ from backend.platform.entity_tags import check_unchanged
 from backend.platform.events import announce, experiment_topic
 from backend.platform.object_store import experiment_prefix
 from backend.platform.problems import Problem
+from backend.platform.settings import Settings
 from backend.platform.texts import unstorable
 from backend.platform.visibility import MayNot, Viewer
 from backend.runs import repository as runs_repository
@@ -99,6 +101,21 @@ def delete(session: Session, viewer: Viewer, experiment_id: UUID) -> None:
     tell(session, name=experiment.document["name"])
     session.delete(experiment)
     announce(session, experiment_topic(experiment.id))
+
+
+def move(session: Session, settings: Settings, viewer: Viewer, experiment_id: UUID, group_id: UUID) -> Experiment:
+    """Let an experiment belong to another group, if there is room for it. Links to its runs stay as they are."""
+    experiment = get_locked(session, viewer, experiment_id)
+    before, after = experiment.group, group_for_new(session, viewer, group_id)
+    if after.id == before.id:
+        return experiment
+    quotas.demand_room(session, settings, after, quotas.bytes_of(session, experiment.id))
+    experiment.group = after
+    announce(session, experiment_topic(experiment.id))
+    session.flush()
+    session.refresh(experiment)
+    tell(session, name=experiment.document["name"], from_group=before.name, to_group=after.name)
+    return experiment
 
 
 def read_document(content: dict[str, Any]) -> Document:

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from uuid import UUID
 
-from sqlalchemy import BigInteger, Select, cast, func, select, true
+from sqlalchemy import BigInteger, ColumnElement, Select, cast, func, select, true
 from sqlalchemy.orm import Session
 
 from backend.groups.errors import QuotaExceeded, TooManyRuns
@@ -16,9 +16,10 @@ from backend.platform.settings import Settings
 def usages(session: Session, settings: Settings, groups: Sequence[Group]) -> Mapping[UUID, Usage]:
     """What each group uses, and may use."""
     ids = [group.id for group in groups]
-    uploaded = dict(session.execute(_file_bytes(ids)).all())
-    made = dict(session.execute(_product_bytes(ids)).all())
-    coming = dict(session.execute(_coming_bytes(ids)).all())
+    theirs = Experiment.group_id.in_(ids)
+    uploaded = dict(session.execute(_file_bytes(theirs)).all())
+    made = dict(session.execute(_product_bytes(theirs)).all())
+    coming = dict(session.execute(_coming_bytes(theirs)).all())
     active = dict(session.execute(_active_runs(ids)).all())
     return {
         group.id: Usage(
@@ -39,6 +40,12 @@ def demand_room(session: Session, settings: Settings, group: Group, n_bytes: int
         raise QuotaExceeded(usage.used_bytes, usage.max_bytes)
 
 
+def bytes_of(session: Session, experiment_id: UUID) -> int:
+    """What one experiment uses: its frames, what is to come of them, and what its runs made."""
+    parts = (_file_bytes, _coming_bytes, _product_bytes)
+    return sum(int(n or 0) for part in parts for _, n in session.execute(part(Experiment.id == experiment_id)))
+
+
 def demand_run(session: Session, settings: Settings, group: Group) -> None:
     """Refuse one run more than the group may have at once; two that start at once are counted one after the other."""
     _lock(session, group)
@@ -52,33 +59,33 @@ def _lock(session: Session, group: Group) -> None:
     session.execute(select(Group.id).where(Group.id == group.id).with_for_update(key_share=True))
 
 
-def _coming_bytes(group_ids: Sequence[UUID]) -> Select[UUID, int]:
+def _coming_bytes(which: ColumnElement[bool]) -> Select[UUID, int]:
     return (
         select(Experiment.group_id, func.sum(Upload.size_bytes))
         .join(Upload, Upload.experiment_id == Experiment.id)
-        .where(Experiment.group_id.in_(group_ids), Upload.finished_at.is_(None), Upload.problem.is_(None))
+        .where(which, Upload.finished_at.is_(None), Upload.problem.is_(None))
         .where(Upload.expires_at > func.now())
         .group_by(Experiment.group_id)
     )
 
 
-def _file_bytes(group_ids: Sequence[UUID]) -> Select[UUID, int]:
+def _file_bytes(which: ColumnElement[bool]) -> Select[UUID, int]:
     return (
         select(Experiment.group_id, func.sum(File.size_bytes))
         .join(File, File.experiment_id == Experiment.id)
-        .where(Experiment.group_id.in_(group_ids))
+        .where(which)
         .group_by(Experiment.group_id)
     )
 
 
-def _product_bytes(group_ids: Sequence[UUID]) -> Select[UUID, int]:
+def _product_bytes(which: ColumnElement[bool]) -> Select[UUID, int]:
     file = func.jsonb_array_elements(Product.files).table_valued("value").render_derived()
     size_bytes = cast(func.jsonb_extract_path_text(file.c.value, "size_bytes"), BigInteger)
     return (
         select(Experiment.group_id, func.sum(size_bytes))
         .join(Product, Product.experiment_id == Experiment.id)
         .join(file, onclause=true())
-        .where(Experiment.group_id.in_(group_ids))
+        .where(which)
         .group_by(Experiment.group_id)
     )
 

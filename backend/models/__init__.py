@@ -11,6 +11,7 @@ from backend.models.access import (
 )
 from backend.models.base import Base
 from backend.models.experiments import Experiment, File, Stack
+from backend.models.notices import Event, Notice, NoticeState, Webhook
 from backend.models.people import Group, Membership, Person, Right
 from backend.models.requests import IdempotencyKey
 from backend.models.runs import DoomedObject, FrameSummary, Product, Run, Shard, Speed, Stage, Tally
@@ -22,6 +23,7 @@ __all__ = [
     "Base",
     "BrowserSession",
     "DoomedObject",
+    "Event",
     "Experiment",
     "File",
     "FrameSummary",
@@ -29,6 +31,8 @@ __all__ = [
     "IdempotencyKey",
     "Invitation",
     "Membership",
+    "Notice",
+    "NoticeState",
     "Person",
     "Product",
     "Right",
@@ -43,4 +47,5 @@ __all__ = [
     "Tally",
     "Upload",
     "UploadPiece",
+    "Webhook",
 ]

@@ -44,11 +44,11 @@ class Dated:
     created_at: Mapped[datetime] = mapped_column(server_default=func.now())
 
 
-def one_of(states: type[StrEnum]) -> Enum:
+def one_of(states: type[StrEnum], name: str = "known_state") -> Enum:
     """A column that holds one of `states` as text; the database refuses everything else."""
     return Enum(
         states,
-        name="known_state",
+        name=name,
         native_enum=False,
         create_constraint=True,
         length=20,

@@ -21,6 +21,7 @@ from backend.models.states import (
     is_terminal,
     rule,
 )
+from backend.models.telling import tell_of_end
 
 
 def end_run(session: Session, run: Run, event: str, *, problem: Json | None = None) -> None:
@@ -39,6 +40,7 @@ def end_run(session: Session, run: Run, event: str, *, problem: Json | None = No
         .execution_options(synchronize_session=False)
     )
     end_open_stages(session, run, event)
+    tell_of_end(session, run)
 
 
 def end_open_stages(session: Session, run: Run, event: str) -> None:

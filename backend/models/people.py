@@ -37,6 +37,8 @@ class Person(Identified, Dated, Base):
     oidc_issuer: Mapped[str | None] = mapped_column(String(300))
     oidc_subject: Mapped[str | None] = mapped_column(String(300))
     is_administrator: Mapped[bool] = mapped_column(default=False)
+    is_mailed: Mapped[bool] = mapped_column(default=True)
+    """Whether they want e-mail about the runs that they started."""
     disabled_at: Mapped[datetime | None]
     """From then on they can do and see nothing; what they made stays."""
     seen_at: Mapped[datetime | None]

@@ -153,7 +153,7 @@ def account_get(session: SessionDependency, identity: PersonDependency) -> schem
 def account_update(
     session: SessionDependency, identity: PersonDependency, change: schemas.ChangeAccount
 ) -> schemas.Person:
-    """Change your name."""
+    """Change your name, or whether you get e-mail."""
     return service.change_account(session, identity, change)
 
 

@@ -43,6 +43,8 @@ class Person(BaseModel):
     name: str
     email: str | None
     is_administrator: bool
+    is_mailed: bool
+    """Whether you get e-mail when a run that you started has ended (where the service sends any)."""
     has_password: bool
 
 
@@ -54,6 +56,8 @@ class Session(BaseModel):
     ways: list[Way]
     oidc_name: str | None
     """What the button says that leads to the provider of sign-ins."""
+    is_mailing: bool
+    """Whether this service sends e-mail."""
     is_local: bool
     """A service of one person on one machine: there is nobody to invite."""
     shared_run_id: UUID | None
@@ -99,6 +103,7 @@ class ChangeAccount(BaseModel):
     model_config = ConfigDict(extra="forbid", json_schema_extra={"examples": [{"name": "Ada Lovelace"}]})
 
     name: Name | None = None
+    is_mailed: bool | None = None
 
 
 class NewPassword(BaseModel):

@@ -181,6 +181,7 @@ def shown(person: Person) -> schemas.Person:
         name=person.name,
         email=person.email,
         is_administrator=person.is_administrator,
+        is_mailed=person.is_mailed,
         has_password=person.password_hash is not None,
     )
 

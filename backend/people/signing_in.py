@@ -101,6 +101,7 @@ def look(session: Session, settings: Settings, identity: Identity | None) -> sch
         groups=own,
         ways=_ways(settings),
         oidc_name=settings.oidc_name if settings.oidc_issuer else None,
+        is_mailing=settings.smtp_host is not None,
         is_local=settings.auth == "local",
         shared_run_id=shared.run_id if shared else None,
     )

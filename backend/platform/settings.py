@@ -2,8 +2,9 @@
 
 import hashlib
 import tempfile
+from email.utils import parseaddr
 from functools import cache
-from ipaddress import ip_address
+from ipaddress import IPv4Network, IPv6Network, ip_address
 from pathlib import Path
 from typing import Annotated, Literal
 from urllib.parse import urlsplit
@@ -65,6 +66,20 @@ class Settings(BaseSettings):
     """Room for the frames and results of a group, unless an administrator gives it another; without it, no limit."""
     group_max_active_runs: Annotated[int, Field(ge=1)] | None = None
     """Runs of a group that are queued or running at once; likewise."""
+    outward_networks: tuple[IPv4Network | IPv6Network, ...] = ()
+    """JSON: networks inside the house to which webhooks may be sent, such as `["10.1.0.0/16"]`. Else: none."""
+    smtp_host: str | None = None
+    """The server that takes e-mail for others; without one, none is sent."""
+    smtp_port: Annotated[int, Field(ge=1, le=_LAST_PORT)] = 587
+    """Its port."""
+    smtp_security: Literal["starttls", "tls", "none"] = "starttls"
+    """How the way to it is kept secret; `none` for a server on this machine."""
+    smtp_user: str | None = None
+    """As whom to sign in there."""
+    smtp_password: SecretStr | None = None
+    """With what."""
+    mail_from: str | None = None
+    """The sender of e-mail, such as `Dropflow <droplets@example.org>`. SMTP_HOST needs it."""
     host: str = "127.0.0.1"
     """Address to listen on."""
     port: Annotated[int, Field(ge=0, le=_LAST_PORT)] = 8000
@@ -172,6 +187,20 @@ class Settings(BaseSettings):
             name, _, right = place.rpartition(":")
             if not name or right not in ("view", "edit", "manage"):
                 raise ValueError(f"OIDC_GROUPS: {place!r} must be GROUP:view, GROUP:edit or GROUP:manage")
+        return self
+
+    @model_validator(mode="after")
+    def _mail_is_whole(self) -> "Settings":
+        if self.smtp_host is None:
+            return self
+        _, address = parseaddr(self.mail_from or "")
+        if "@" not in address or not (self.mail_from or "").isprintable():
+            raise ValueError("SMTP_HOST needs MAIL_FROM, such as Dropflow <droplets@example.org>")
+        if self.smtp_user is not None:
+            if self.smtp_password is None:
+                raise ValueError("SMTP_USER needs SMTP_PASSWORD")
+            if self.smtp_security == "none" and not is_loopback(self.smtp_host):
+                raise ValueError("SMTP_PASSWORD would go unencrypted: set SMTP_SECURITY to starttls or tls")
         return self
 
     @property

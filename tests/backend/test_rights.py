@@ -108,7 +108,9 @@ def _body(operation: str, about: Json, things: dict[str, UUID]) -> Json:
     model = DOCUMENT["components"]["schemas"][schema["$ref"].rpartition("/")[2]] if "$ref" in schema else schema
     assert "examples" in model, f"give the body of {operation} an example"
     body: dict[str, Any] = dict(model["examples"][0])
-    return {"json": body | ({"group_id": str(things["group_id"])} if operation == "experiments_create" else {})}
+    if operation in ("experiments_create", "experiments_move"):
+        body |= {"group_id": str(things["group_id"])}
+    return {"json": body}
 
 
 def test_every_operation_has_an_expectation() -> None:

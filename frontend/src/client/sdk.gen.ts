@@ -2,7 +2,7 @@
 
 import type { Client, Options as Options2, TDataShape } from './client';
 import { client } from './client.gen';
-import type { AccountEndSessionData, AccountEndSessionErrors, AccountEndSessionResponses, AccountGetData, AccountGetErrors, AccountGetResponses, AccountPasswordData, AccountPasswordErrors, AccountPasswordResponses, AccountSessionsData, AccountSessionsErrors, AccountSessionsResponses, AccountUpdateData, AccountUpdateErrors, AccountUpdateResponses, AdministrationGetData, AdministrationGetErrors, AdministrationGetResponses, AuditListData, AuditListErrors, AuditListResponses, ComparisonFiguresGetData, ComparisonFiguresGetErrors, ComparisonFiguresGetResponses, ComparisonFiguresTableData, ComparisonFiguresTableErrors, ComparisonFiguresTableResponses, ComparisonGetData, ComparisonGetErrors, ComparisonGetResponses, DropletsGetData, DropletsGetErrors, DropletsGetResponses, ExperimentsCreateData, ExperimentsCreateErrors, ExperimentsCreateResponses, ExperimentsDeleteData, ExperimentsDeleteErrors, ExperimentsDeleteResponses, ExperimentsEventsData, ExperimentsEventsErrors, ExperimentsEventsResponses, ExperimentsGetData, ExperimentsGetErrors, ExperimentsGetResponses, ExperimentsListData, ExperimentsListErrors, ExperimentsListResponses, ExperimentsUpdateData, ExperimentsUpdateErrors, ExperimentsUpdateResponses, ExportsGetData, ExportsGetErrors, ExportsGetResponses, ExportsListData, ExportsListErrors, ExportsListResponses, FiguresGetData, FiguresGetErrors, FiguresGetResponses, FiguresListData, FiguresListErrors, FiguresListResponses, FiguresTableData, FiguresTableErrors, FiguresTableResponses, FilesDownloadData, FilesDownloadErrors, FilesDownloadResponses, FilesListData, FilesListErrors, FilesListResponses, FilesUploadData, FilesUploadErrors, FilesUploadResponses, FlowGetData, FlowGetErrors, FlowGetResponses, FlowMapsGetData, FlowMapsGetErrors, FlowMapsGetResponses, FramesPictureData, FramesPictureErrors, FramesPictureResponses, GroupsCreateData, GroupsCreateErrors, GroupsCreateResponses, GroupsDeleteData, GroupsDeleteErrors, GroupsDeleteResponses, GroupsGetData, GroupsGetErrors, GroupsGetResponses, GroupsLimitData, GroupsLimitErrors, GroupsLimitResponses, GroupsListData, GroupsListErrors, GroupsListResponses, GroupsUpdateData, GroupsUpdateErrors, GroupsUpdateResponses, HealthGetData, HealthGetErrors, HealthGetResponses, InvitationsAcceptData, InvitationsAcceptErrors, InvitationsAcceptResponses, InvitationsCreateData, InvitationsCreateErrors, InvitationsCreateResponses, InvitationsDeleteData, InvitationsDeleteErrors, InvitationsDeleteResponses, InvitationsListData, InvitationsListErrors, InvitationsListResponses, InvitationsLookData, InvitationsLookErrors, InvitationsLookResponses, LinkPreviewsCreateData, LinkPreviewsCreateErrors, LinkPreviewsCreateResponses, MaterialsGetData, MaterialsGetErrors, MaterialsGetPhaseDiagramData, MaterialsGetPhaseDiagramErrors, MaterialsGetPhaseDiagramResponses, MaterialsGetResponses, MaterialsGetViscosityData, MaterialsGetViscosityErrors, MaterialsGetViscosityResponses, MaterialsListData, MaterialsListErrors, MaterialsListResponses, MembersListData, MembersListErrors, MembersListResponses, MembersRemoveData, MembersRemoveErrors, MembersRemoveResponses, MembersSetData, MembersSetErrors, MembersSetResponses, PeopleCreateData, PeopleCreateErrors, PeopleCreateResponses, PeopleLinkData, PeopleLinkErrors, PeopleLinkResponses, PeopleListData, PeopleListErrors, PeopleListResponses, PeopleUpdateData, PeopleUpdateErrors, PeopleUpdateResponses, PreviewsCreateData, PreviewsCreateErrors, PreviewsCreateResponses, QualityGetData, QualityGetErrors, QualityGetResponses, RampsDownloadData, RampsDownloadErrors, RampsDownloadResponses, RampsGetData, RampsGetErrors, RampsGetResponses, ReportGetData, ReportGetErrors, ReportGetResponses, ResultFilesDownloadData, ResultFilesDownloadErrors, ResultFilesDownloadResponses, ResultFilesListData, ResultFilesListErrors, ResultFilesListResponses, RunsCancelData, RunsCancelErrors, RunsCancelResponses, RunsCreateData, RunsCreateErrors, RunsCreateResponses, RunsDeleteData, RunsDeleteErrors, RunsDeleteResponses, RunsEventsData, RunsEventsErrors, RunsEventsResponses, RunsGetData, RunsGetErrors, RunsGetResponses, RunsGetReuseData, RunsGetReuseErrors, RunsGetReuseResponses, RunsListAllData, RunsListAllErrors, RunsListAllResponses, RunsListData, RunsListErrors, RunsListResponses, RunsRetryData, RunsRetryErrors, RunsRetryResponses, SchemasGetExperimentData, SchemasGetExperimentErrors, SchemasGetExperimentResponses, SchemasGetParametersData, SchemasGetParametersErrors, SchemasGetParametersResponses, SessionCreateData, SessionCreateErrors, SessionCreateResponses, SessionDeleteData, SessionDeleteErrors, SessionDeleteResponses, SessionGetData, SessionGetErrors, SessionGetResponses, SessionOidcCallbackData, SessionOidcCallbackErrors, SessionOidcCallbackResponses, SessionOidcData, SessionOidcErrors, SessionOidcResponses, SharesCreateData, SharesCreateErrors, SharesCreateResponses, SharesDeleteData, SharesDeleteErrors, SharesDeleteResponses, SharesListData, SharesListErrors, SharesListResponses, StackCompleteData, StackCompleteErrors, StackCompleteResponses, StackDeleteData, StackDeleteErrors, StackDeleteResponses, SuggestionsCreateData, SuggestionsCreateErrors, SuggestionsCreateResponses, TailsGetData, TailsGetErrors, TailsGetResponses, TokensCreateData, TokensCreateErrors, TokensCreateResponses, TokensListData, TokensListErrors, TokensListResponses, TokensRevokeData, TokensRevokeErrors, TokensRevokeResponses, TrajectoriesGetData, TrajectoriesGetErrors, TrajectoriesGetResponses, UploadsCreateData, UploadsCreateErrors, UploadsCreateResponses, UploadsGetData, UploadsGetErrors, UploadsGetResponses, UploadsListData, UploadsListErrors, UploadsListResponses, UploadsOffsetData, UploadsOffsetErrors, UploadsOffsetResponses, UploadsPlanData, UploadsPlanErrors, UploadsPlanResponses, UploadsSendData, UploadsSendErrors, UploadsSendResponses, UploadsTerminateData, UploadsTerminateErrors, UploadsTerminateResponses } from './types.gen';
+import type { AccountEndSessionData, AccountEndSessionErrors, AccountEndSessionResponses, AccountGetData, AccountGetErrors, AccountGetResponses, AccountPasswordData, AccountPasswordErrors, AccountPasswordResponses, AccountSessionsData, AccountSessionsErrors, AccountSessionsResponses, AccountUpdateData, AccountUpdateErrors, AccountUpdateResponses, AdministrationGetData, AdministrationGetErrors, AdministrationGetResponses, AuditListData, AuditListErrors, AuditListResponses, ComparisonFiguresGetData, ComparisonFiguresGetErrors, ComparisonFiguresGetResponses, ComparisonFiguresTableData, ComparisonFiguresTableErrors, ComparisonFiguresTableResponses, ComparisonGetData, ComparisonGetErrors, ComparisonGetResponses, DropletsGetData, DropletsGetErrors, DropletsGetResponses, ExperimentsCreateData, ExperimentsCreateErrors, ExperimentsCreateResponses, ExperimentsDeleteData, ExperimentsDeleteErrors, ExperimentsDeleteResponses, ExperimentsEventsData, ExperimentsEventsErrors, ExperimentsEventsResponses, ExperimentsGetData, ExperimentsGetErrors, ExperimentsGetResponses, ExperimentsListData, ExperimentsListErrors, ExperimentsListResponses, ExperimentsMoveData, ExperimentsMoveErrors, ExperimentsMoveResponses, ExperimentsUpdateData, ExperimentsUpdateErrors, ExperimentsUpdateResponses, ExportsGetData, ExportsGetErrors, ExportsGetResponses, ExportsListData, ExportsListErrors, ExportsListResponses, FiguresGetData, FiguresGetErrors, FiguresGetResponses, FiguresListData, FiguresListErrors, FiguresListResponses, FiguresTableData, FiguresTableErrors, FiguresTableResponses, FilesDownloadData, FilesDownloadErrors, FilesDownloadResponses, FilesListData, FilesListErrors, FilesListResponses, FilesUploadData, FilesUploadErrors, FilesUploadResponses, FlowGetData, FlowGetErrors, FlowGetResponses, FlowMapsGetData, FlowMapsGetErrors, FlowMapsGetResponses, FramesPictureData, FramesPictureErrors, FramesPictureResponses, GroupsCreateData, GroupsCreateErrors, GroupsCreateResponses, GroupsDeleteData, GroupsDeleteErrors, GroupsDeleteResponses, GroupsGetData, GroupsGetErrors, GroupsGetResponses, GroupsLimitData, GroupsLimitErrors, GroupsLimitResponses, GroupsListData, GroupsListErrors, GroupsListResponses, GroupsUpdateData, GroupsUpdateErrors, GroupsUpdateResponses, HealthGetData, HealthGetErrors, HealthGetResponses, InvitationsAcceptData, InvitationsAcceptErrors, InvitationsAcceptResponses, InvitationsCreateData, InvitationsCreateErrors, InvitationsCreateResponses, InvitationsDeleteData, InvitationsDeleteErrors, InvitationsDeleteResponses, InvitationsListData, InvitationsListErrors, InvitationsListResponses, InvitationsLookData, InvitationsLookErrors, InvitationsLookResponses, LinkPreviewsCreateData, LinkPreviewsCreateErrors, LinkPreviewsCreateResponses, MaterialsGetData, MaterialsGetErrors, MaterialsGetPhaseDiagramData, MaterialsGetPhaseDiagramErrors, MaterialsGetPhaseDiagramResponses, MaterialsGetResponses, MaterialsGetViscosityData, MaterialsGetViscosityErrors, MaterialsGetViscosityResponses, MaterialsListData, MaterialsListErrors, MaterialsListResponses, MembersListData, MembersListErrors, MembersListResponses, MembersRemoveData, MembersRemoveErrors, MembersRemoveResponses, MembersSetData, MembersSetErrors, MembersSetResponses, NoticesListData, NoticesListErrors, NoticesListResponses, NoticesResendData, NoticesResendErrors, NoticesResendResponses, PeopleCreateData, PeopleCreateErrors, PeopleCreateResponses, PeopleLinkData, PeopleLinkErrors, PeopleLinkResponses, PeopleListData, PeopleListErrors, PeopleListResponses, PeopleUpdateData, PeopleUpdateErrors, PeopleUpdateResponses, PreviewsCreateData, PreviewsCreateErrors, PreviewsCreateResponses, QualityGetData, QualityGetErrors, QualityGetResponses, RampsDownloadData, RampsDownloadErrors, RampsDownloadResponses, RampsGetData, RampsGetErrors, RampsGetResponses, ReportGetData, ReportGetErrors, ReportGetResponses, ResultFilesDownloadData, ResultFilesDownloadErrors, ResultFilesDownloadResponses, ResultFilesListData, ResultFilesListErrors, ResultFilesListResponses, RunsCancelData, RunsCancelErrors, RunsCancelResponses, RunsCreateData, RunsCreateErrors, RunsCreateResponses, RunsDeleteData, RunsDeleteErrors, RunsDeleteResponses, RunsEventsData, RunsEventsErrors, RunsEventsResponses, RunsGetData, RunsGetErrors, RunsGetResponses, RunsGetReuseData, RunsGetReuseErrors, RunsGetReuseResponses, RunsListAllData, RunsListAllErrors, RunsListAllResponses, RunsListData, RunsListErrors, RunsListResponses, RunsRetryData, RunsRetryErrors, RunsRetryResponses, SchemasGetExperimentData, SchemasGetExperimentErrors, SchemasGetExperimentResponses, SchemasGetParametersData, SchemasGetParametersErrors, SchemasGetParametersResponses, SessionCreateData, SessionCreateErrors, SessionCreateResponses, SessionDeleteData, SessionDeleteErrors, SessionDeleteResponses, SessionGetData, SessionGetErrors, SessionGetResponses, SessionOidcCallbackData, SessionOidcCallbackErrors, SessionOidcCallbackResponses, SessionOidcData, SessionOidcErrors, SessionOidcResponses, SharesCreateData, SharesCreateErrors, SharesCreateResponses, SharesDeleteData, SharesDeleteErrors, SharesDeleteResponses, SharesListData, SharesListErrors, SharesListResponses, StackCompleteData, StackCompleteErrors, StackCompleteResponses, StackDeleteData, StackDeleteErrors, StackDeleteResponses, SuggestionsCreateData, SuggestionsCreateErrors, SuggestionsCreateResponses, TailsGetData, TailsGetErrors, TailsGetResponses, TokensCreateData, TokensCreateErrors, TokensCreateResponses, TokensListData, TokensListErrors, TokensListResponses, TokensRevokeData, TokensRevokeErrors, TokensRevokeResponses, TrajectoriesGetData, TrajectoriesGetErrors, TrajectoriesGetResponses, UploadsCreateData, UploadsCreateErrors, UploadsCreateResponses, UploadsGetData, UploadsGetErrors, UploadsGetResponses, UploadsListData, UploadsListErrors, UploadsListResponses, UploadsOffsetData, UploadsOffsetErrors, UploadsOffsetResponses, UploadsPlanData, UploadsPlanErrors, UploadsPlanResponses, UploadsSendData, UploadsSendErrors, UploadsSendResponses, UploadsTerminateData, UploadsTerminateErrors, UploadsTerminateResponses, WebhooksCreateData, WebhooksCreateErrors, WebhooksCreateResponses, WebhooksDeleteData, WebhooksDeleteErrors, WebhooksDeleteResponses, WebhooksListData, WebhooksListErrors, WebhooksListResponses, WebhooksRenewSecretData, WebhooksRenewSecretErrors, WebhooksRenewSecretResponses, WebhooksTestData, WebhooksTestErrors, WebhooksTestResponses, WebhooksUpdateData, WebhooksUpdateErrors, WebhooksUpdateResponses } from './types.gen';
 
 export type Options<TData extends TDataShape = TDataShape, ThrowOnError extends boolean = boolean, TResponse = unknown> = Options2<TData, ThrowOnError, TResponse> & {
     /**
@@ -36,7 +36,7 @@ export const accountGet = <ThrowOnError extends boolean = true>(options?: Option
 /**
  * Account Update
  *
- * Change your name.
+ * Change your name, or whether you get e-mail.
  */
 export const accountUpdate = <ThrowOnError extends boolean = true>(options: Options<AccountUpdateData, ThrowOnError>) => (options.client ?? client).patch<AccountUpdateResponses, AccountUpdateErrors, ThrowOnError>({
     security: [{
@@ -337,6 +337,25 @@ export const framesPicture = <ThrowOnError extends boolean = true>(options: Opti
         }, { scheme: 'bearer', type: 'http' }],
     url: '/api/v1/experiments/{experiment_id}/frames/{frame}.{kind}',
     ...options
+});
+
+/**
+ * Experiments Move
+ *
+ * Let an experiment, with its runs, belong to another group. You need the right to edit in both.
+ */
+export const experimentsMove = <ThrowOnError extends boolean = true>(options: Options<ExperimentsMoveData, ThrowOnError>) => (options.client ?? client).put<ExperimentsMoveResponses, ExperimentsMoveErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/experiments/{experiment_id}/group',
+    ...options,
+    headers: {
+        'Content-Type': 'application/json',
+        ...options.headers
+    }
 });
 
 /**
@@ -773,6 +792,134 @@ export const membersSet = <ThrowOnError extends boolean = true>(options: Options
         'Content-Type': 'application/json',
         ...options.headers
     }
+});
+
+/**
+ * Webhooks List
+ *
+ * List the addresses that are told what happens in a group.
+ */
+export const webhooksList = <ThrowOnError extends boolean = true>(options: Options<WebhooksListData, ThrowOnError>) => (options.client ?? client).get<WebhooksListResponses, WebhooksListErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/groups/{group_id}/webhooks',
+    ...options
+});
+
+/**
+ * Webhooks Create
+ *
+ * Have an address told when runs of a group end. The secret that signs what is sent is shown this once.
+ */
+export const webhooksCreate = <ThrowOnError extends boolean = true>(options: Options<WebhooksCreateData, ThrowOnError>) => (options.client ?? client).post<WebhooksCreateResponses, WebhooksCreateErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/groups/{group_id}/webhooks',
+    ...options,
+    headers: {
+        'Content-Type': 'application/json',
+        ...options.headers
+    }
+});
+
+/**
+ * Webhooks Delete
+ *
+ * Remove a webhook with its log.
+ */
+export const webhooksDelete = <ThrowOnError extends boolean = true>(options: Options<WebhooksDeleteData, ThrowOnError>) => (options.client ?? client).delete<WebhooksDeleteResponses, WebhooksDeleteErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/groups/{group_id}/webhooks/{webhook_id}',
+    ...options
+});
+
+/**
+ * Webhooks Update
+ *
+ * Change a webhook, or pause it: of what happens meanwhile it is told nothing.
+ */
+export const webhooksUpdate = <ThrowOnError extends boolean = true>(options: Options<WebhooksUpdateData, ThrowOnError>) => (options.client ?? client).patch<WebhooksUpdateResponses, WebhooksUpdateErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/groups/{group_id}/webhooks/{webhook_id}',
+    ...options,
+    headers: {
+        'Content-Type': 'application/json',
+        ...options.headers
+    }
+});
+
+/**
+ * Notices List
+ *
+ * Read what a webhook was told in the last 30 days, newest first, with every try to send it.
+ */
+export const noticesList = <ThrowOnError extends boolean = true>(options: Options<NoticesListData, ThrowOnError>) => (options.client ?? client).get<NoticesListResponses, NoticesListErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/groups/{group_id}/webhooks/{webhook_id}/notices',
+    ...options
+});
+
+/**
+ * Notices Resend
+ *
+ * Send the same again, under a new id.
+ */
+export const noticesResend = <ThrowOnError extends boolean = true>(options: Options<NoticesResendData, ThrowOnError>) => (options.client ?? client).post<NoticesResendResponses, NoticesResendErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/groups/{group_id}/webhooks/{webhook_id}/notices/{notice_id}/resend',
+    ...options
+});
+
+/**
+ * Webhooks Renew Secret
+ *
+ * Sign with another secret from now on. It is shown this once.
+ */
+export const webhooksRenewSecret = <ThrowOnError extends boolean = true>(options: Options<WebhooksRenewSecretData, ThrowOnError>) => (options.client ?? client).post<WebhooksRenewSecretResponses, WebhooksRenewSecretErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/groups/{group_id}/webhooks/{webhook_id}/secret',
+    ...options
+});
+
+/**
+ * Webhooks Test
+ *
+ * Send a notice of the event `test`. How that went stands in the log a moment later.
+ */
+export const webhooksTest = <ThrowOnError extends boolean = true>(options: Options<WebhooksTestData, ThrowOnError>) => (options.client ?? client).post<WebhooksTestResponses, WebhooksTestErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/groups/{group_id}/webhooks/{webhook_id}/test',
+    ...options
 });
 
 /**

@@ -39,6 +39,13 @@ export type Announced = {
 };
 
 /**
+ * Asked
+ *
+ * What a webhook can ask to be told.
+ */
+export type Asked = 'run.completed' | 'run.failed' | 'run.cancelled';
+
+/**
  * AuditLine
  *
  * Who did what.
@@ -110,6 +117,10 @@ export type Cause = 'parameter' | 'experiment' | 'frames' | 'code' | 'not_there'
  */
 export type ChangeAccount = {
     /**
+     * Is Mailed
+     */
+    is_mailed?: boolean | null;
+    /**
      * Name
      */
     name?: string | null;
@@ -164,6 +175,26 @@ export type ChangePerson = {
      * Is Disabled
      */
     is_disabled?: boolean | null;
+};
+
+/**
+ * ChangeWebhook
+ *
+ * What to change; what is absent stays.
+ */
+export type ChangeWebhook = {
+    /**
+     * Address
+     */
+    address?: string | null;
+    /**
+     * Events
+     */
+    events?: Array<Asked> | null;
+    /**
+     * Is Active
+     */
+    is_active?: boolean | null;
 };
 
 /**
@@ -363,6 +394,13 @@ export type Disk = {
      */
     results_bytes: number;
 };
+
+/**
+ * Event
+ *
+ * What can be told.
+ */
+export type Event = 'run.completed' | 'run.failed' | 'run.cancelled' | 'test';
 
 /**
  * Experiment
@@ -1140,6 +1178,38 @@ export type MadeToken = {
 };
 
 /**
+ * MadeWebhook
+ *
+ * The same with the secret that its notices are signed with, which is shown this once.
+ */
+export type MadeWebhook = {
+    /**
+     * Address
+     */
+    address: string;
+    /**
+     * Created At
+     */
+    created_at: string;
+    /**
+     * Events
+     */
+    events: Array<Asked>;
+    /**
+     * Id
+     */
+    id: string;
+    /**
+     * Is Active
+     */
+    is_active: boolean;
+    /**
+     * Secret
+     */
+    secret: string;
+};
+
+/**
  * Material
  *
  * A material that comes with the software.
@@ -1270,6 +1340,18 @@ export type Members = {
      * Items
      */
     items: Array<Member>;
+};
+
+/**
+ * MoveExperiment
+ *
+ * The group that an experiment is to belong to.
+ */
+export type MoveExperiment = {
+    /**
+     * Group Id
+     */
+    group_id: string;
 };
 
 /**
@@ -1427,6 +1509,85 @@ export type NewToken = {
 };
 
 /**
+ * NewWebhook
+ *
+ * Where to, and what.
+ */
+export type NewWebhook = {
+    /**
+     * Address
+     *
+     * An address that takes POST requests.
+     */
+    address: string;
+    /**
+     * Events
+     *
+     * What it is told.
+     */
+    events?: Array<Asked>;
+};
+
+/**
+ * Notice
+ *
+ * What a webhook was told, or is to be told.
+ */
+export type Notice = {
+    /**
+     * About
+     */
+    about: {
+        [key: string]: unknown;
+    };
+    /**
+     * Created At
+     */
+    created_at: string;
+    event: Event;
+    /**
+     * Id
+     */
+    id: string;
+    /**
+     * Next Try At
+     */
+    next_try_at: string | null;
+    /**
+     * Resend Of
+     */
+    resend_of: string | null;
+    state: NoticeState;
+    /**
+     * Tries
+     */
+    tries: Array<Try>;
+};
+
+/**
+ * NoticeState
+ *
+ * How far a notice got.
+ */
+export type NoticeState = 'waiting' | 'delivered' | 'failed';
+
+/**
+ * Notices
+ *
+ * Some notices.
+ */
+export type Notices = {
+    /**
+     * Items
+     */
+    items: Array<Notice>;
+    /**
+     * Next Cursor
+     */
+    next_cursor?: string | null;
+};
+
+/**
  * Overview
  *
  * What an administrator looks at first.
@@ -1511,6 +1672,10 @@ export type Person = {
      * Is Administrator
      */
     is_administrator: boolean;
+    /**
+     * Is Mailed
+     */
+    is_mailed: boolean;
     /**
      * Name
      */
@@ -2109,6 +2274,10 @@ export type Session = {
      */
     is_local: boolean;
     /**
+     * Is Mailing
+     */
+    is_mailing: boolean;
+    /**
      * Oidc Name
      */
     oidc_name: string | null;
@@ -2604,6 +2773,30 @@ export type Trouble = {
 };
 
 /**
+ * Try
+ *
+ * One try to send.
+ */
+export type Try = {
+    /**
+     * At
+     */
+    at: string;
+    /**
+     * Problem
+     */
+    problem: string | null;
+    /**
+     * Seconds
+     */
+    seconds: number;
+    /**
+     * Status
+     */
+    status: number | null;
+};
+
+/**
  * Upload
  *
  * One upload on its way.
@@ -2722,6 +2915,46 @@ export type ValidationError = {
  * How one can sign in here.
  */
 export type Way = 'link' | 'password' | 'oidc';
+
+/**
+ * Webhook
+ *
+ * An address that is told what happens in a group.
+ */
+export type Webhook = {
+    /**
+     * Address
+     */
+    address: string;
+    /**
+     * Created At
+     */
+    created_at: string;
+    /**
+     * Events
+     */
+    events: Array<Asked>;
+    /**
+     * Id
+     */
+    id: string;
+    /**
+     * Is Active
+     */
+    is_active: boolean;
+};
+
+/**
+ * Webhooks
+ *
+ * The webhooks of a group.
+ */
+export type Webhooks = {
+    /**
+     * Items
+     */
+    items: Array<Webhook>;
+};
 
 /**
  * Welcome
@@ -4070,6 +4303,72 @@ export type FramesPictureResponses = {
      */
     200: unknown;
 };
+
+export type ExperimentsMoveData = {
+    body: MoveExperiment;
+    path: {
+        /**
+         * Experiment Id
+         */
+        experiment_id: string;
+    };
+    query?: never;
+    url: '/api/v1/experiments/{experiment_id}/group';
+};
+
+export type ExperimentsMoveErrors = {
+    /**
+     * Bad Request
+     */
+    400: Problem;
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Request Entity Too Large
+     */
+    413: Problem;
+    /**
+     * Unsupported Media Type
+     */
+    415: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type ExperimentsMoveError = ExperimentsMoveErrors[keyof ExperimentsMoveErrors];
+
+export type ExperimentsMoveResponses = {
+    /**
+     * Successful Response
+     */
+    200: Experiment;
+};
+
+export type ExperimentsMoveResponse = ExperimentsMoveResponses[keyof ExperimentsMoveResponses];
 
 export type PreviewsCreateData = {
     body: PreviewWish;
@@ -5776,6 +6075,521 @@ export type MembersSetResponses = {
 };
 
 export type MembersSetResponse = MembersSetResponses[keyof MembersSetResponses];
+
+export type WebhooksListData = {
+    body?: never;
+    path: {
+        /**
+         * Group Id
+         */
+        group_id: string;
+    };
+    query?: never;
+    url: '/api/v1/groups/{group_id}/webhooks';
+};
+
+export type WebhooksListErrors = {
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type WebhooksListError = WebhooksListErrors[keyof WebhooksListErrors];
+
+export type WebhooksListResponses = {
+    /**
+     * Successful Response
+     */
+    200: Webhooks;
+};
+
+export type WebhooksListResponse = WebhooksListResponses[keyof WebhooksListResponses];
+
+export type WebhooksCreateData = {
+    body: NewWebhook;
+    path: {
+        /**
+         * Group Id
+         */
+        group_id: string;
+    };
+    query?: never;
+    url: '/api/v1/groups/{group_id}/webhooks';
+};
+
+export type WebhooksCreateErrors = {
+    /**
+     * Bad Request
+     */
+    400: Problem;
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Conflict
+     */
+    409: Problem;
+    /**
+     * Request Entity Too Large
+     */
+    413: Problem;
+    /**
+     * Unsupported Media Type
+     */
+    415: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type WebhooksCreateError = WebhooksCreateErrors[keyof WebhooksCreateErrors];
+
+export type WebhooksCreateResponses = {
+    /**
+     * Successful Response
+     */
+    201: MadeWebhook;
+};
+
+export type WebhooksCreateResponse = WebhooksCreateResponses[keyof WebhooksCreateResponses];
+
+export type WebhooksDeleteData = {
+    body?: never;
+    path: {
+        /**
+         * Group Id
+         */
+        group_id: string;
+        /**
+         * Webhook Id
+         */
+        webhook_id: string;
+    };
+    query?: never;
+    url: '/api/v1/groups/{group_id}/webhooks/{webhook_id}';
+};
+
+export type WebhooksDeleteErrors = {
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type WebhooksDeleteError = WebhooksDeleteErrors[keyof WebhooksDeleteErrors];
+
+export type WebhooksDeleteResponses = {
+    /**
+     * Successful Response
+     */
+    204: void;
+};
+
+export type WebhooksDeleteResponse = WebhooksDeleteResponses[keyof WebhooksDeleteResponses];
+
+export type WebhooksUpdateData = {
+    body: ChangeWebhook;
+    path: {
+        /**
+         * Group Id
+         */
+        group_id: string;
+        /**
+         * Webhook Id
+         */
+        webhook_id: string;
+    };
+    query?: never;
+    url: '/api/v1/groups/{group_id}/webhooks/{webhook_id}';
+};
+
+export type WebhooksUpdateErrors = {
+    /**
+     * Bad Request
+     */
+    400: Problem;
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Request Entity Too Large
+     */
+    413: Problem;
+    /**
+     * Unsupported Media Type
+     */
+    415: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type WebhooksUpdateError = WebhooksUpdateErrors[keyof WebhooksUpdateErrors];
+
+export type WebhooksUpdateResponses = {
+    /**
+     * Successful Response
+     */
+    200: Webhook;
+};
+
+export type WebhooksUpdateResponse = WebhooksUpdateResponses[keyof WebhooksUpdateResponses];
+
+export type NoticesListData = {
+    body?: never;
+    path: {
+        /**
+         * Group Id
+         */
+        group_id: string;
+        /**
+         * Webhook Id
+         */
+        webhook_id: string;
+    };
+    query?: {
+        /**
+         * Limit
+         *
+         * Most items to answer.
+         */
+        limit?: number;
+        /**
+         * Cursor
+         *
+         * `next_cursor` of the page before, asked for in the same order.
+         */
+        cursor?: string | null;
+        /**
+         * State
+         *
+         * Those in this state.
+         */
+        state?: NoticeState | null;
+    };
+    url: '/api/v1/groups/{group_id}/webhooks/{webhook_id}/notices';
+};
+
+export type NoticesListErrors = {
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type NoticesListError = NoticesListErrors[keyof NoticesListErrors];
+
+export type NoticesListResponses = {
+    /**
+     * Successful Response
+     */
+    200: Notices;
+};
+
+export type NoticesListResponse = NoticesListResponses[keyof NoticesListResponses];
+
+export type NoticesResendData = {
+    body?: never;
+    path: {
+        /**
+         * Group Id
+         */
+        group_id: string;
+        /**
+         * Webhook Id
+         */
+        webhook_id: string;
+        /**
+         * Notice Id
+         */
+        notice_id: string;
+    };
+    query?: never;
+    url: '/api/v1/groups/{group_id}/webhooks/{webhook_id}/notices/{notice_id}/resend';
+};
+
+export type NoticesResendErrors = {
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Conflict
+     */
+    409: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type NoticesResendError = NoticesResendErrors[keyof NoticesResendErrors];
+
+export type NoticesResendResponses = {
+    /**
+     * Successful Response
+     */
+    202: Notice;
+};
+
+export type NoticesResendResponse = NoticesResendResponses[keyof NoticesResendResponses];
+
+export type WebhooksRenewSecretData = {
+    body?: never;
+    path: {
+        /**
+         * Group Id
+         */
+        group_id: string;
+        /**
+         * Webhook Id
+         */
+        webhook_id: string;
+    };
+    query?: never;
+    url: '/api/v1/groups/{group_id}/webhooks/{webhook_id}/secret';
+};
+
+export type WebhooksRenewSecretErrors = {
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type WebhooksRenewSecretError = WebhooksRenewSecretErrors[keyof WebhooksRenewSecretErrors];
+
+export type WebhooksRenewSecretResponses = {
+    /**
+     * Successful Response
+     */
+    200: MadeWebhook;
+};
+
+export type WebhooksRenewSecretResponse = WebhooksRenewSecretResponses[keyof WebhooksRenewSecretResponses];
+
+export type WebhooksTestData = {
+    body?: never;
+    path: {
+        /**
+         * Group Id
+         */
+        group_id: string;
+        /**
+         * Webhook Id
+         */
+        webhook_id: string;
+    };
+    query?: never;
+    url: '/api/v1/groups/{group_id}/webhooks/{webhook_id}/test';
+};
+
+export type WebhooksTestErrors = {
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Conflict
+     */
+    409: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type WebhooksTestError = WebhooksTestErrors[keyof WebhooksTestErrors];
+
+export type WebhooksTestResponses = {
+    /**
+     * Successful Response
+     */
+    202: Notice;
+};
+
+export type WebhooksTestResponse = WebhooksTestResponses[keyof WebhooksTestResponses];
 
 export type HealthGetData = {
     body?: never;

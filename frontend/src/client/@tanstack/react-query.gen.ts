@@ -3,8 +3,8 @@
 import { type InfiniteData, infiniteQueryOptions, queryOptions, type UseMutationOptions } from '@tanstack/react-query';
 
 import { client } from '../client.gen';
-import { accountEndSession, accountGet, accountPassword, accountSessions, accountUpdate, administrationGet, auditList, comparisonFiguresGet, comparisonFiguresTable, comparisonGet, dropletsGet, experimentsCreate, experimentsDelete, experimentsGet, experimentsList, experimentsUpdate, exportsGet, exportsList, figuresGet, figuresList, figuresTable, filesDownload, filesList, filesUpload, flowGet, flowMapsGet, framesPicture, groupsCreate, groupsDelete, groupsGet, groupsLimit, groupsList, groupsUpdate, healthGet, invitationsAccept, invitationsCreate, invitationsDelete, invitationsList, invitationsLook, linkPreviewsCreate, materialsGet, materialsGetPhaseDiagram, materialsGetViscosity, materialsList, membersList, membersRemove, membersSet, type Options, peopleCreate, peopleLink, peopleList, peopleUpdate, previewsCreate, qualityGet, rampsDownload, rampsGet, reportGet, resultFilesDownload, resultFilesList, runsCancel, runsCreate, runsDelete, runsGet, runsGetReuse, runsList, runsListAll, runsRetry, schemasGetExperiment, schemasGetParameters, sessionCreate, sessionDelete, sessionGet, sessionOidc, sessionOidcCallback, sharesCreate, sharesDelete, sharesList, stackComplete, stackDelete, suggestionsCreate, tailsGet, tokensCreate, tokensList, tokensRevoke, trajectoriesGet, uploadsCreate, uploadsGet, uploadsList, uploadsPlan, uploadsSend, uploadsTerminate } from '../sdk.gen';
-import type { AccountEndSessionData, AccountEndSessionError, AccountEndSessionResponse, AccountGetData, AccountGetError, AccountGetResponse, AccountPasswordData, AccountPasswordError, AccountPasswordResponse, AccountSessionsData, AccountSessionsError, AccountSessionsResponse, AccountUpdateData, AccountUpdateError, AccountUpdateResponse, AdministrationGetData, AdministrationGetError, AdministrationGetResponse, AuditListData, AuditListError, AuditListResponse, ComparisonFiguresGetData, ComparisonFiguresGetError, ComparisonFiguresGetResponse, ComparisonFiguresTableData, ComparisonFiguresTableError, ComparisonGetData, ComparisonGetError, ComparisonGetResponse, DropletsGetData, DropletsGetError, DropletsGetResponse, ExperimentsCreateData, ExperimentsCreateError, ExperimentsCreateResponse, ExperimentsDeleteData, ExperimentsDeleteError, ExperimentsDeleteResponse, ExperimentsGetData, ExperimentsGetError, ExperimentsGetResponse, ExperimentsListData, ExperimentsListError, ExperimentsListResponse, ExperimentsUpdateData, ExperimentsUpdateError, ExperimentsUpdateResponse, ExportsGetData, ExportsGetError, ExportsListData, ExportsListError, ExportsListResponse, FiguresGetData, FiguresGetError, FiguresGetResponse, FiguresListData, FiguresListError, FiguresListResponse, FiguresTableData, FiguresTableError, FilesDownloadData, FilesDownloadError, FilesListData, FilesListError, FilesListResponse, FilesUploadData, FilesUploadError, FilesUploadResponse, FlowGetData, FlowGetError, FlowGetResponse, FlowMapsGetData, FlowMapsGetError, FlowMapsGetResponse, FramesPictureData, FramesPictureError, GroupsCreateData, GroupsCreateError, GroupsCreateResponse, GroupsDeleteData, GroupsDeleteError, GroupsDeleteResponse, GroupsGetData, GroupsGetError, GroupsGetResponse, GroupsLimitData, GroupsLimitError, GroupsLimitResponse, GroupsListData, GroupsListError, GroupsListResponse, GroupsUpdateData, GroupsUpdateError, GroupsUpdateResponse, HealthGetData, HealthGetError, HealthGetResponse, InvitationsAcceptData, InvitationsAcceptError, InvitationsAcceptResponse, InvitationsCreateData, InvitationsCreateError, InvitationsCreateResponse, InvitationsDeleteData, InvitationsDeleteError, InvitationsDeleteResponse, InvitationsListData, InvitationsListError, InvitationsListResponse, InvitationsLookData, InvitationsLookError, InvitationsLookResponse, LinkPreviewsCreateData, LinkPreviewsCreateError, LinkPreviewsCreateResponse, MaterialsGetData, MaterialsGetError, MaterialsGetPhaseDiagramData, MaterialsGetPhaseDiagramError, MaterialsGetPhaseDiagramResponse, MaterialsGetResponse, MaterialsGetViscosityData, MaterialsGetViscosityError, MaterialsGetViscosityResponse, MaterialsListData, MaterialsListError, MaterialsListResponse, MembersListData, MembersListError, MembersListResponse, MembersRemoveData, MembersRemoveError, MembersRemoveResponse, MembersSetData, MembersSetError, MembersSetResponse, PeopleCreateData, PeopleCreateError, PeopleCreateResponse, PeopleLinkData, PeopleLinkError, PeopleLinkResponse, PeopleListData, PeopleListError, PeopleListResponse, PeopleUpdateData, PeopleUpdateError, PeopleUpdateResponse, PreviewsCreateData, PreviewsCreateError, PreviewsCreateResponse, QualityGetData, QualityGetError, QualityGetResponse, RampsDownloadData, RampsDownloadError, RampsGetData, RampsGetError, RampsGetResponse, ReportGetData, ReportGetError, ResultFilesDownloadData, ResultFilesDownloadError, ResultFilesListData, ResultFilesListError, ResultFilesListResponse, RunsCancelData, RunsCancelError, RunsCancelResponse, RunsCreateData, RunsCreateError, RunsCreateResponse, RunsDeleteData, RunsDeleteError, RunsDeleteResponse, RunsGetData, RunsGetError, RunsGetResponse, RunsGetReuseData, RunsGetReuseError, RunsGetReuseResponse, RunsListAllData, RunsListAllError, RunsListAllResponse, RunsListData, RunsListError, RunsListResponse, RunsRetryData, RunsRetryError, RunsRetryResponse, SchemasGetExperimentData, SchemasGetExperimentError, SchemasGetExperimentResponse, SchemasGetParametersData, SchemasGetParametersError, SchemasGetParametersResponse, SessionCreateData, SessionCreateError, SessionCreateResponse, SessionDeleteData, SessionDeleteError, SessionDeleteResponse, SessionGetData, SessionGetError, SessionGetResponse, SessionOidcCallbackData, SessionOidcCallbackError, SessionOidcCallbackResponse, SessionOidcData, SessionOidcError, SessionOidcResponse, SharesCreateData, SharesCreateError, SharesCreateResponse, SharesDeleteData, SharesDeleteError, SharesDeleteResponse, SharesListData, SharesListError, SharesListResponse, StackCompleteData, StackCompleteError, StackCompleteResponse, StackDeleteData, StackDeleteError, StackDeleteResponse, SuggestionsCreateData, SuggestionsCreateError, SuggestionsCreateResponse, TailsGetData, TailsGetError, TailsGetResponse, TokensCreateData, TokensCreateError, TokensCreateResponse, TokensListData, TokensListError, TokensListResponse, TokensRevokeData, TokensRevokeError, TokensRevokeResponse, TrajectoriesGetData, TrajectoriesGetError, TrajectoriesGetResponse, UploadsCreateData, UploadsCreateError, UploadsGetData, UploadsGetError, UploadsGetResponse, UploadsListData, UploadsListError, UploadsListResponse, UploadsPlanData, UploadsPlanError, UploadsPlanResponse, UploadsSendData, UploadsSendError, UploadsSendResponse, UploadsTerminateData, UploadsTerminateError, UploadsTerminateResponse } from '../types.gen';
+import { accountEndSession, accountGet, accountPassword, accountSessions, accountUpdate, administrationGet, auditList, comparisonFiguresGet, comparisonFiguresTable, comparisonGet, dropletsGet, experimentsCreate, experimentsDelete, experimentsGet, experimentsList, experimentsMove, experimentsUpdate, exportsGet, exportsList, figuresGet, figuresList, figuresTable, filesDownload, filesList, filesUpload, flowGet, flowMapsGet, framesPicture, groupsCreate, groupsDelete, groupsGet, groupsLimit, groupsList, groupsUpdate, healthGet, invitationsAccept, invitationsCreate, invitationsDelete, invitationsList, invitationsLook, linkPreviewsCreate, materialsGet, materialsGetPhaseDiagram, materialsGetViscosity, materialsList, membersList, membersRemove, membersSet, noticesList, noticesResend, type Options, peopleCreate, peopleLink, peopleList, peopleUpdate, previewsCreate, qualityGet, rampsDownload, rampsGet, reportGet, resultFilesDownload, resultFilesList, runsCancel, runsCreate, runsDelete, runsGet, runsGetReuse, runsList, runsListAll, runsRetry, schemasGetExperiment, schemasGetParameters, sessionCreate, sessionDelete, sessionGet, sessionOidc, sessionOidcCallback, sharesCreate, sharesDelete, sharesList, stackComplete, stackDelete, suggestionsCreate, tailsGet, tokensCreate, tokensList, tokensRevoke, trajectoriesGet, uploadsCreate, uploadsGet, uploadsList, uploadsPlan, uploadsSend, uploadsTerminate, webhooksCreate, webhooksDelete, webhooksList, webhooksRenewSecret, webhooksTest, webhooksUpdate } from '../sdk.gen';
+import type { AccountEndSessionData, AccountEndSessionError, AccountEndSessionResponse, AccountGetData, AccountGetError, AccountGetResponse, AccountPasswordData, AccountPasswordError, AccountPasswordResponse, AccountSessionsData, AccountSessionsError, AccountSessionsResponse, AccountUpdateData, AccountUpdateError, AccountUpdateResponse, AdministrationGetData, AdministrationGetError, AdministrationGetResponse, AuditListData, AuditListError, AuditListResponse, ComparisonFiguresGetData, ComparisonFiguresGetError, ComparisonFiguresGetResponse, ComparisonFiguresTableData, ComparisonFiguresTableError, ComparisonGetData, ComparisonGetError, ComparisonGetResponse, DropletsGetData, DropletsGetError, DropletsGetResponse, ExperimentsCreateData, ExperimentsCreateError, ExperimentsCreateResponse, ExperimentsDeleteData, ExperimentsDeleteError, ExperimentsDeleteResponse, ExperimentsGetData, ExperimentsGetError, ExperimentsGetResponse, ExperimentsListData, ExperimentsListError, ExperimentsListResponse, ExperimentsMoveData, ExperimentsMoveError, ExperimentsMoveResponse, ExperimentsUpdateData, ExperimentsUpdateError, ExperimentsUpdateResponse, ExportsGetData, ExportsGetError, ExportsListData, ExportsListError, ExportsListResponse, FiguresGetData, FiguresGetError, FiguresGetResponse, FiguresListData, FiguresListError, FiguresListResponse, FiguresTableData, FiguresTableError, FilesDownloadData, FilesDownloadError, FilesListData, FilesListError, FilesListResponse, FilesUploadData, FilesUploadError, FilesUploadResponse, FlowGetData, FlowGetError, FlowGetResponse, FlowMapsGetData, FlowMapsGetError, FlowMapsGetResponse, FramesPictureData, FramesPictureError, GroupsCreateData, GroupsCreateError, GroupsCreateResponse, GroupsDeleteData, GroupsDeleteError, GroupsDeleteResponse, GroupsGetData, GroupsGetError, GroupsGetResponse, GroupsLimitData, GroupsLimitError, GroupsLimitResponse, GroupsListData, GroupsListError, GroupsListResponse, GroupsUpdateData, GroupsUpdateError, GroupsUpdateResponse, HealthGetData, HealthGetError, HealthGetResponse, InvitationsAcceptData, InvitationsAcceptError, InvitationsAcceptResponse, InvitationsCreateData, InvitationsCreateError, InvitationsCreateResponse, InvitationsDeleteData, InvitationsDeleteError, InvitationsDeleteResponse, InvitationsListData, InvitationsListError, InvitationsListResponse, InvitationsLookData, InvitationsLookError, InvitationsLookResponse, LinkPreviewsCreateData, LinkPreviewsCreateError, LinkPreviewsCreateResponse, MaterialsGetData, MaterialsGetError, MaterialsGetPhaseDiagramData, MaterialsGetPhaseDiagramError, MaterialsGetPhaseDiagramResponse, MaterialsGetResponse, MaterialsGetViscosityData, MaterialsGetViscosityError, MaterialsGetViscosityResponse, MaterialsListData, MaterialsListError, MaterialsListResponse, MembersListData, MembersListError, MembersListResponse, MembersRemoveData, MembersRemoveError, MembersRemoveResponse, MembersSetData, MembersSetError, MembersSetResponse, NoticesListData, NoticesListError, NoticesListResponse, NoticesResendData, NoticesResendError, NoticesResendResponse, PeopleCreateData, PeopleCreateError, PeopleCreateResponse, PeopleLinkData, PeopleLinkError, PeopleLinkResponse, PeopleListData, PeopleListError, PeopleListResponse, PeopleUpdateData, PeopleUpdateError, PeopleUpdateResponse, PreviewsCreateData, PreviewsCreateError, PreviewsCreateResponse, QualityGetData, QualityGetError, QualityGetResponse, RampsDownloadData, RampsDownloadError, RampsGetData, RampsGetError, RampsGetResponse, ReportGetData, ReportGetError, ResultFilesDownloadData, ResultFilesDownloadError, ResultFilesListData, ResultFilesListError, ResultFilesListResponse, RunsCancelData, RunsCancelError, RunsCancelResponse, RunsCreateData, RunsCreateError, RunsCreateResponse, RunsDeleteData, RunsDeleteError, RunsDeleteResponse, RunsGetData, RunsGetError, RunsGetResponse, RunsGetReuseData, RunsGetReuseError, RunsGetReuseResponse, RunsListAllData, RunsListAllError, RunsListAllResponse, RunsListData, RunsListError, RunsListResponse, RunsRetryData, RunsRetryError, RunsRetryResponse, SchemasGetExperimentData, SchemasGetExperimentError, SchemasGetExperimentResponse, SchemasGetParametersData, SchemasGetParametersError, SchemasGetParametersResponse, SessionCreateData, SessionCreateError, SessionCreateResponse, SessionDeleteData, SessionDeleteError, SessionDeleteResponse, SessionGetData, SessionGetError, SessionGetResponse, SessionOidcCallbackData, SessionOidcCallbackError, SessionOidcCallbackResponse, SessionOidcData, SessionOidcError, SessionOidcResponse, SharesCreateData, SharesCreateError, SharesCreateResponse, SharesDeleteData, SharesDeleteError, SharesDeleteResponse, SharesListData, SharesListError, SharesListResponse, StackCompleteData, StackCompleteError, StackCompleteResponse, StackDeleteData, StackDeleteError, StackDeleteResponse, SuggestionsCreateData, SuggestionsCreateError, SuggestionsCreateResponse, TailsGetData, TailsGetError, TailsGetResponse, TokensCreateData, TokensCreateError, TokensCreateResponse, TokensListData, TokensListError, TokensListResponse, TokensRevokeData, TokensRevokeError, TokensRevokeResponse, TrajectoriesGetData, TrajectoriesGetError, TrajectoriesGetResponse, UploadsCreateData, UploadsCreateError, UploadsGetData, UploadsGetError, UploadsGetResponse, UploadsListData, UploadsListError, UploadsListResponse, UploadsPlanData, UploadsPlanError, UploadsPlanResponse, UploadsSendData, UploadsSendError, UploadsSendResponse, UploadsTerminateData, UploadsTerminateError, UploadsTerminateResponse, WebhooksCreateData, WebhooksCreateError, WebhooksCreateResponse, WebhooksDeleteData, WebhooksDeleteError, WebhooksDeleteResponse, WebhooksListData, WebhooksListError, WebhooksListResponse, WebhooksRenewSecretData, WebhooksRenewSecretError, WebhooksRenewSecretResponse, WebhooksTestData, WebhooksTestError, WebhooksTestResponse, WebhooksUpdateData, WebhooksUpdateError, WebhooksUpdateResponse } from '../types.gen';
 
 export type QueryKey<TOptions extends Options> = [
     Pick<TOptions, 'baseUrl' | 'body' | 'headers' | 'path' | 'query'> & {
@@ -62,7 +62,7 @@ export const accountGetOptions = (options?: Options<AccountGetData>) => queryOpt
 /**
  * Account Update
  *
- * Change your name.
+ * Change your name, or whether you get e-mail.
  */
 export const accountUpdateMutation = (options?: Partial<Options<AccountUpdateData>>): UseMutationOptions<AccountUpdateResponse, AccountUpdateError, Options<AccountUpdateData>> => {
     const mutationOptions: UseMutationOptions<AccountUpdateResponse, AccountUpdateError, Options<AccountUpdateData>> = {
@@ -527,6 +527,25 @@ export const framesPictureOptions = (options: Options<FramesPictureData>) => que
     },
     queryKey: framesPictureQueryKey(options)
 });
+
+/**
+ * Experiments Move
+ *
+ * Let an experiment, with its runs, belong to another group. You need the right to edit in both.
+ */
+export const experimentsMoveMutation = (options?: Partial<Options<ExperimentsMoveData>>): UseMutationOptions<ExperimentsMoveResponse, ExperimentsMoveError, Options<ExperimentsMoveData>> => {
+    const mutationOptions: UseMutationOptions<ExperimentsMoveResponse, ExperimentsMoveError, Options<ExperimentsMoveData>> = {
+        mutationFn: async (fnOptions) => {
+            const { data } = await experimentsMove({
+                ...options,
+                ...fnOptions,
+                throwOnError: true
+            });
+            return data;
+        }
+    };
+    return mutationOptions;
+};
 
 /**
  * Previews Create
@@ -1029,6 +1048,189 @@ export const membersSetMutation = (options?: Partial<Options<MembersSetData>>): 
     const mutationOptions: UseMutationOptions<MembersSetResponse, MembersSetError, Options<MembersSetData>> = {
         mutationFn: async (fnOptions) => {
             const { data } = await membersSet({
+                ...options,
+                ...fnOptions,
+                throwOnError: true
+            });
+            return data;
+        }
+    };
+    return mutationOptions;
+};
+
+export const webhooksListQueryKey = (options: Options<WebhooksListData>) => createQueryKey('webhooksList', options);
+
+/**
+ * Webhooks List
+ *
+ * List the addresses that are told what happens in a group.
+ */
+export const webhooksListOptions = (options: Options<WebhooksListData>) => queryOptions<WebhooksListResponse, WebhooksListError, WebhooksListResponse, ReturnType<typeof webhooksListQueryKey>>({
+    queryFn: async ({ queryKey, signal }) => {
+        const { data } = await webhooksList({
+            ...options,
+            ...queryKey[0],
+            signal,
+            throwOnError: true
+        });
+        return data;
+    },
+    queryKey: webhooksListQueryKey(options)
+});
+
+/**
+ * Webhooks Create
+ *
+ * Have an address told when runs of a group end. The secret that signs what is sent is shown this once.
+ */
+export const webhooksCreateMutation = (options?: Partial<Options<WebhooksCreateData>>): UseMutationOptions<WebhooksCreateResponse, WebhooksCreateError, Options<WebhooksCreateData>> => {
+    const mutationOptions: UseMutationOptions<WebhooksCreateResponse, WebhooksCreateError, Options<WebhooksCreateData>> = {
+        mutationFn: async (fnOptions) => {
+            const { data } = await webhooksCreate({
+                ...options,
+                ...fnOptions,
+                throwOnError: true
+            });
+            return data;
+        }
+    };
+    return mutationOptions;
+};
+
+/**
+ * Webhooks Delete
+ *
+ * Remove a webhook with its log.
+ */
+export const webhooksDeleteMutation = (options?: Partial<Options<WebhooksDeleteData>>): UseMutationOptions<WebhooksDeleteResponse, WebhooksDeleteError, Options<WebhooksDeleteData>> => {
+    const mutationOptions: UseMutationOptions<WebhooksDeleteResponse, WebhooksDeleteError, Options<WebhooksDeleteData>> = {
+        mutationFn: async (fnOptions) => {
+            const { data } = await webhooksDelete({
+                ...options,
+                ...fnOptions,
+                throwOnError: true
+            });
+            return data;
+        }
+    };
+    return mutationOptions;
+};
+
+/**
+ * Webhooks Update
+ *
+ * Change a webhook, or pause it: of what happens meanwhile it is told nothing.
+ */
+export const webhooksUpdateMutation = (options?: Partial<Options<WebhooksUpdateData>>): UseMutationOptions<WebhooksUpdateResponse, WebhooksUpdateError, Options<WebhooksUpdateData>> => {
+    const mutationOptions: UseMutationOptions<WebhooksUpdateResponse, WebhooksUpdateError, Options<WebhooksUpdateData>> = {
+        mutationFn: async (fnOptions) => {
+            const { data } = await webhooksUpdate({
+                ...options,
+                ...fnOptions,
+                throwOnError: true
+            });
+            return data;
+        }
+    };
+    return mutationOptions;
+};
+
+export const noticesListQueryKey = (options: Options<NoticesListData>) => createQueryKey('noticesList', options);
+
+/**
+ * Notices List
+ *
+ * Read what a webhook was told in the last 30 days, newest first, with every try to send it.
+ */
+export const noticesListOptions = (options: Options<NoticesListData>) => queryOptions<NoticesListResponse, NoticesListError, NoticesListResponse, ReturnType<typeof noticesListQueryKey>>({
+    queryFn: async ({ queryKey, signal }) => {
+        const { data } = await noticesList({
+            ...options,
+            ...queryKey[0],
+            signal,
+            throwOnError: true
+        });
+        return data;
+    },
+    queryKey: noticesListQueryKey(options)
+});
+
+export const noticesListInfiniteQueryKey = (options: Options<NoticesListData>): QueryKey<Options<NoticesListData>> => createQueryKey('noticesList', options, true);
+
+/**
+ * Notices List
+ *
+ * Read what a webhook was told in the last 30 days, newest first, with every try to send it.
+ */
+export const noticesListInfiniteOptions = (options: Options<NoticesListData>) => infiniteQueryOptions<NoticesListResponse, NoticesListError, InfiniteData<NoticesListResponse>, QueryKey<Options<NoticesListData>>, string | null | Pick<QueryKey<Options<NoticesListData>>[0], 'body' | 'headers' | 'path' | 'query'>>(
+// @ts-ignore
+{
+    queryFn: async ({ pageParam, queryKey, signal }) => {
+        // @ts-ignore
+        const page: Pick<QueryKey<Options<NoticesListData>>[0], 'body' | 'headers' | 'path' | 'query'> = typeof pageParam === 'object' ? pageParam : {
+            query: {
+                cursor: pageParam
+            }
+        };
+        const params = createInfiniteParams(queryKey, page);
+        const { data } = await noticesList({
+            ...options,
+            ...params,
+            signal,
+            throwOnError: true
+        });
+        return data;
+    },
+    queryKey: noticesListInfiniteQueryKey(options)
+});
+
+/**
+ * Notices Resend
+ *
+ * Send the same again, under a new id.
+ */
+export const noticesResendMutation = (options?: Partial<Options<NoticesResendData>>): UseMutationOptions<NoticesResendResponse, NoticesResendError, Options<NoticesResendData>> => {
+    const mutationOptions: UseMutationOptions<NoticesResendResponse, NoticesResendError, Options<NoticesResendData>> = {
+        mutationFn: async (fnOptions) => {
+            const { data } = await noticesResend({
+                ...options,
+                ...fnOptions,
+                throwOnError: true
+            });
+            return data;
+        }
+    };
+    return mutationOptions;
+};
+
+/**
+ * Webhooks Renew Secret
+ *
+ * Sign with another secret from now on. It is shown this once.
+ */
+export const webhooksRenewSecretMutation = (options?: Partial<Options<WebhooksRenewSecretData>>): UseMutationOptions<WebhooksRenewSecretResponse, WebhooksRenewSecretError, Options<WebhooksRenewSecretData>> => {
+    const mutationOptions: UseMutationOptions<WebhooksRenewSecretResponse, WebhooksRenewSecretError, Options<WebhooksRenewSecretData>> = {
+        mutationFn: async (fnOptions) => {
+            const { data } = await webhooksRenewSecret({
+                ...options,
+                ...fnOptions,
+                throwOnError: true
+            });
+            return data;
+        }
+    };
+    return mutationOptions;
+};
+
+/**
+ * Webhooks Test
+ *
+ * Send a notice of the event `test`. How that went stands in the log a moment later.
+ */
+export const webhooksTestMutation = (options?: Partial<Options<WebhooksTestData>>): UseMutationOptions<WebhooksTestResponse, WebhooksTestError, Options<WebhooksTestData>> => {
+    const mutationOptions: UseMutationOptions<WebhooksTestResponse, WebhooksTestError, Options<WebhooksTestData>> = {
+        mutationFn: async (fnOptions) => {
+            const { data } = await webhooksTest({
                 ...options,
                 ...fnOptions,
                 throwOnError: true
