@@ -16,6 +16,7 @@ from backend.flow.endpoints import router as flow
 from backend.forms.endpoints import router as forms
 from backend.groups.endpoints import router as groups
 from backend.health.endpoints import router as health
+from backend.imports.endpoints import router as imports
 from backend.operations.endpoints import router as operations
 from backend.operations.measures import served
 from backend.page import install as install_page
@@ -93,7 +94,20 @@ def bare_app(lifespan: Lifespan[FastAPI] | None = None) -> FastAPI:
     )
     api = APIRouter(prefix=API, dependencies=[Depends(check_media)])
     lab = (session_router, account_router, people_router, groups, invitations_router, webhooks, tokens, shares)
-    films = (experiments, stacks, uploads, runs, results, trajectories, flow, quality, comparisons, planning, previews)
+    films = (
+        experiments,
+        stacks,
+        imports,
+        uploads,
+        runs,
+        results,
+        trajectories,
+        flow,
+        quality,
+        comparisons,
+        planning,
+        previews,
+    )
     for router in (health, forms, *lab, administration, *films):
         api.include_router(router)
     app.include_router(api)
@@ -110,7 +124,7 @@ def _lifespan(settings: Settings) -> Lifespan[FastAPI]:
         platform = Platform(
             settings=settings,
             sessions=make_sessions(engine),
-            store=ObjectStore(settings.object_store_url),
+            store=ObjectStore(settings.object_store_url, settings.outside),
             queue=Queue(settings.redis_url),
             listener=Listener(settings.database_url),
             rates=Rates(settings.redis_url),

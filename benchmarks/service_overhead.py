@@ -68,7 +68,8 @@ def main() -> None:
         options = Options(port=free_port(), data=Path(scratch) / "service", has_demo=False)
         with open_folder(options) as folder, Instance(options, folder, print) as instance:
             instance.start()
-            with httpx.Client(base_url=f"{options.address}api/v1/", timeout=60) as client:
+            token = {"Authorization": f"Bearer {folder.program_token()}"}
+            with httpx.Client(base_url=f"{options.address}api/v1/", headers=token, timeout=60) as client:
                 service_s(client, N_WARM_UP_FRAMES)
                 by_service_s = service_s(client, n_frames)
     print(f"dropflow analyse of {n_frames} frames: {by_command_s:.1f} s on {available_processes()} cores")

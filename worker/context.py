@@ -39,7 +39,7 @@ def make_context(settings: Settings) -> Context:
     return Context(
         settings=settings,
         sessions=make_sessions(engine),
-        store=ObjectStore(settings.object_store_url),
+        store=ObjectStore(settings.object_store_url, settings.outside),
         queue=Queue(settings.redis_url),
         holder=f"{_MAIN_PROCESS}:{os.getpid()}",
         engine=engine,

@@ -12,7 +12,7 @@ from sqlalchemy.orm import Session
 from backend.models import File, Product, Run, Shard, Stack
 from backend.platform.object_store import ObjectStore
 from backend.platform.places import Place
-from backend.platform.store_files import StoreFiles
+from backend.platform.store_files import StoreFiles, place_of
 from dropflow.experiment import Experiment, parse_experiment
 from dropflow.frames import Choice, Frames, open_frames
 from dropflow.ingest import StackIndex
@@ -109,9 +109,8 @@ def made_ranges(session: Session, experiment_id: UUID, detection: str) -> list[r
 def uploaded_files(session: Session, experiment_id: UUID) -> dict[str, dict[str, Place]]:
     """Where each uploaded file is kept, by name, by role."""
     found: dict[str, dict[str, Place]] = {FRAMES_ROLE: {}}
-    columns = (File.role, File.name, File.store_key, File.start_byte, File.size_bytes)
-    for role, name, key, start, size in session.execute(select(*columns).where(File.experiment_id == experiment_id)):
-        found.setdefault(role, {})[name] = Place(key, start, size)
+    for file in session.scalars(select(File).where(File.experiment_id == experiment_id)):
+        found.setdefault(file.role, {})[file.name] = place_of(file)
     return found
 
 

@@ -15,8 +15,9 @@ MIN_SHARDS = 8
 
 
 class Task(StrEnum):
-    """The kinds of work. The ingest of a stack belongs to no run."""
+    """The kinds of work. Import and ingest of a stack belong to no run."""
 
+    IMPORT = "import"
     INGEST = "ingest"
     PREPARE = "prepare"
     DETECT = "detect"

@@ -90,7 +90,7 @@ def _expire_ingest(session: Session, shard_id: UUID, experiment_id: UUID) -> Non
         return
     if shard.attempts >= MAX_ATTEMPTS:
         shard.state = rule(SHARD_RULES, "fail").target
-        reject_stack(session, experiment, worker_lost(0, 0, "the index of the frames"))
+        reject_stack(session, experiment, worker_lost(0, 0, f"the {shard.task} of the frames"))
     else:
         _return(session, shard)
 

@@ -12,7 +12,7 @@ from backend.platform.object_store import product_prefix
 from backend.platform.problems import problem_of
 from backend.platform.queue import QUEUE_OF_TASK
 from dropflow.errors import Cancelled, DropflowError
-from worker import analyse, detect, ingest, outcomes, prepare, track
+from worker import analyse, detect, imports, ingest, outcomes, prepare, track
 from worker.context import Context
 from worker.failures import cause_of, fail
 from worker.heartbeat import at_work
@@ -23,6 +23,7 @@ from worker.turns import whose_turn
 from worker.work_folders import sweep
 
 WORK: Mapping[Task, Callable[[Context, Lease], None]] = {
+    Task.IMPORT: imports.work,
     Task.INGEST: ingest.work,
     Task.PREPARE: prepare.work,
     Task.DETECT: detect.work,

@@ -8,8 +8,8 @@ from sqlalchemy import ColumnElement, Text, exists, func, select
 from sqlalchemy.orm import Session
 
 from backend.experiments.schemas import ExperimentQuery
-from backend.models import Experiment, File, Run, Shard, Stack
-from backend.models.states import ACTIVE_RUN_STATES, ShardState
+from backend.models import Experiment, File, Import, Run, Shard, Stack
+from backend.models.states import ACTIVE_RUN_STATES, ShardState, StackState
 from backend.platform.pages import Order, page_of
 from backend.platform.visibility import Viewer, visible_experiments
 
@@ -81,6 +81,20 @@ def indexed_frames(session: Session, experiment_ids: Sequence[UUID]) -> Mapping[
         Shard.state.in_((ShardState.QUEUED, ShardState.RUNNING)),
     )
     return dict(session.execute(query).all())
+
+
+def open_imports(session: Session, experiment_ids: Sequence[UUID]) -> Mapping[UUID, Import]:
+    """Imports that are on their way."""
+    query = (
+        select(Import)
+        .join(Stack, Stack.experiment_id == Import.experiment_id)
+        .where(
+            Import.experiment_id.in_(experiment_ids),
+            Import.finished_at.is_(None),
+            Stack.state == StackState.INDEXING,
+        )
+    )
+    return {found.experiment_id: found for found in session.scalars(query)}
 
 
 def has_active_run(session: Session, experiment_id: UUID) -> bool:

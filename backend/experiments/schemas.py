@@ -9,6 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from pydantic.config import JsonDict
 
 from backend.groups.schemas import Group
+from backend.models import ImportMode
 from backend.models.states import RunState, StackState
 from backend.platform.pages import ListQuery, Moment, Page
 from backend.platform.problems import Problem
@@ -24,6 +25,20 @@ EXAMPLE_DOCUMENT: JsonDict = {
     "phase": "bottom",
     "material": {"delta_density_kg_m3": -30.0, "viscosity_pa_s": 0.0014},
 }
+
+
+class Importing(BaseModel):
+    """How far an import is."""
+
+    model_config = ConfigDict(from_attributes=True)
+
+    root: str
+    path: str
+    mode: ImportMode
+    n_files: int
+    size_bytes: int
+    done_bytes: int
+    bytes_per_s: float | None
 
 
 class Stack(BaseModel):
@@ -43,6 +58,8 @@ class Stack(BaseModel):
     """Of the frames' content. Give it as `v` to a frame's address and the frame may be kept for ever."""
     done_frames: int | None
     """Frames read so far while `indexing`."""
+    importing: Importing | None
+    """While `indexing`: how far the files are that are imported first."""
     problem: Problem | None
     warnings: list[str]
 

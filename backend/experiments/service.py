@@ -11,7 +11,7 @@ from backend.experiments.errors import DescribesFiles, NoSuchExperiment, RunActi
 from backend.groups import quotas
 from backend.groups.schemas import Group
 from backend.groups.service import group_for_new
-from backend.models import DoomedObject, Experiment, Run, Stack
+from backend.models import DoomedObject, Experiment, Import, Run, Stack
 from backend.models.states import StackState
 from backend.platform.audit import tell
 from backend.platform.dependencies import Platform
@@ -129,13 +129,14 @@ def read_document(content: dict[str, Any]) -> Document:
 
 
 def shown_as(session: Session, viewer: Viewer, experiments: Sequence[Experiment]) -> list[schemas.Experiment]:
-    """Experiments as the API shows them; three queries for any number."""
+    """Experiments as the API shows them; a few queries for any number."""
     ids = [experiment.id for experiment in experiments]
     files = repository.files_of(session, ids)
     n_runs = runs_repository.n_runs(session, viewer, ids)
     latest = runs_repository.latest(session, viewer, ids)
     done = runs_repository.done_frames(session, [run.id for run in latest.values()])
     indexed = repository.indexed_frames(session, ids)
+    imports = repository.open_imports(session, ids)
     return [
         schemas.Experiment(
             id=experiment.id,
@@ -143,7 +144,12 @@ def shown_as(session: Session, viewer: Viewer, experiments: Sequence[Experiment]
             experiment=experiment.document,
             created_at=experiment.created_at,
             updated_at=experiment.updated_at,
-            stack=_shown_stack(experiment.stack, files.get(experiment.id, (0, 0)), indexed.get(experiment.id)),
+            stack=_shown_stack(
+                experiment.stack,
+                files.get(experiment.id, (0, 0)),
+                indexed.get(experiment.id),
+                imports.get(experiment.id),
+            ),
             n_runs=n_runs.get(experiment.id, 0),
             latest_run=_shown_run(latest[experiment.id], done) if experiment.id in latest else None,
         )
@@ -171,7 +177,9 @@ def _correct(stack: Stack, before: Document, after: Document) -> None:
         stack.duration_s *= after.frame_interval_s / before.frame_interval_s  # with the gaps that are in it
 
 
-def _shown_stack(stack: Stack, files: tuple[int, int], done_frames: int | None) -> schemas.Stack:
+def _shown_stack(
+    stack: Stack, files: tuple[int, int], done_frames: int | None, importing: Import | None
+) -> schemas.Stack:
     return schemas.Stack(
         state=stack.state,
         n_files=files[0],
@@ -183,6 +191,7 @@ def _shown_stack(stack: Stack, files: tuple[int, int], done_frames: int | None) 
         duration_s=stack.duration_s,
         checksum=stack.checksum,
         done_frames=done_frames,
+        importing=schemas.Importing.model_validate(importing) if importing else None,
         problem=Problem.model_validate(stack.problem) if stack.problem else None,
         warnings=stack.warnings,
     )

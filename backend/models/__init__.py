@@ -10,7 +10,7 @@ from backend.models.access import (
     SignInLink,
 )
 from backend.models.base import Base
-from backend.models.experiments import Experiment, File, Stack
+from backend.models.experiments import Experiment, File, Import, ImportMode, Stack
 from backend.models.notices import Event, Notice, NoticeState, Webhook
 from backend.models.people import Group, Membership, Person, Right
 from backend.models.requests import IdempotencyKey
@@ -29,6 +29,8 @@ __all__ = [
     "FrameSummary",
     "Group",
     "IdempotencyKey",
+    "Import",
+    "ImportMode",
     "Invitation",
     "Membership",
     "Notice",

@@ -1,6 +1,7 @@
 """Experiments, their stacks and the files these came as."""
 
 from datetime import datetime
+from enum import StrEnum
 from uuid import UUID
 
 from sqlalchemy import BigInteger, ForeignKey, Index, String, UniqueConstraint, func
@@ -60,7 +61,35 @@ class File(Identified, Dated, Base):
     name: Mapped[str] = mapped_column(String(1000))
     size_bytes: Mapped[int] = mapped_column(BigInteger)
     sha256: Mapped[str] = mapped_column(String(64))
-    store_key: Mapped[str] = mapped_column(String(300), index=True)
-    """An object, or a prefix that ends in ``/`` with the pieces of one; small files that came together share one."""
+    store_key: Mapped[str] = mapped_column(String(1200), index=True)
+    """An object, or a prefix that ends in ``/`` with the pieces of one; small files that came together share one.
+    ``outside:ROOT/path`` is a file that stays where it was imported from."""
     start_byte: Mapped[int] = mapped_column(BigInteger, default=0, server_default="0")
     """Where its bytes begin there."""
+    version: Mapped[str | None] = mapped_column(String(100))
+    """Of a file outside the store, as it was when it was imported: differs when it is written."""
+
+
+class ImportMode(StrEnum):
+    """What becomes of files that are imported."""
+
+    COPY = "copy"
+    REFERENCE = "reference"
+
+
+class Import(Dated, Base):
+    """Frames that come from a folder of the server or a prefix of S3, and how far that is."""
+
+    __tablename__ = "import_"
+
+    experiment_id: Mapped[UUID] = mapped_column(ForeignKey("experiment.id", ondelete="CASCADE"), primary_key=True)
+    root: Mapped[str] = mapped_column(String(50))
+    """The name of a place on the list of the settings."""
+    path: Mapped[str] = mapped_column(String(1000))
+    """Below it: a folder, or one file."""
+    mode: Mapped[ImportMode] = mapped_column(one_of(ImportMode))
+    n_files: Mapped[int]
+    size_bytes: Mapped[int] = mapped_column(BigInteger)
+    done_bytes: Mapped[int] = mapped_column(BigInteger, default=0)
+    bytes_per_s: Mapped[float | None]
+    finished_at: Mapped[datetime | None]

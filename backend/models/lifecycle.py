@@ -23,6 +23,9 @@ from backend.models.states import (
 )
 from backend.models.telling import tell_of_end
 
+OUTSIDE = "outside:"
+"""How the keys of files begin that stay where they were imported from."""
+
 
 def end_run(session: Session, run: Run, event: str, *, problem: Json | None = None) -> None:
     """Complete, fail or cancel a run; what of it is not done yet will not be. A run that ended stays as it is."""
@@ -105,4 +108,5 @@ def remove_files(session: Session, experiment_id: UUID, *conditions: ColumnEleme
     gone = delete(File).where(File.experiment_id == experiment_id, *conditions).returning(File.store_key)
     keys = set(session.scalars(gone.execution_options(synchronize_session=False)))
     kept = select(File.store_key).where(File.experiment_id == experiment_id).distinct()
-    doom(session, sorted(keys - set(session.scalars(kept))) if keys else ())
+    gone_keys = keys - set(session.scalars(kept)) if keys else set()
+    doom(session, sorted(key for key in gone_keys if not key.startswith(OUTSIDE)))  # those are not ours to remove

@@ -69,6 +69,12 @@ STACK_RULES = (
         StackState.INDEXING,
         "all files are there; a worker reads every frame",
     ),
+    Rule(
+        "import",
+        (StackState.EMPTY, StackState.UPLOADING, StackState.REJECTED),
+        StackState.INDEXING,
+        "a worker brings the files from where they are, then reads every frame",
+    ),
     Rule("accept", (StackState.INDEXING,), StackState.READY, "every frame can be read"),
     Rule("reject", (StackState.INDEXING,), StackState.REJECTED, "a frame cannot be used; its files are removed"),
     Rule("clear", tuple(StackState), StackState.EMPTY, "its files were removed"),

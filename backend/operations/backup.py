@@ -17,7 +17,8 @@ from sqlalchemy import Engine, text
 from backend.operations.errors import OperationError
 from backend.operations.tables import revision_of, table_names, write_table
 from backend.platform.holding import KEEP_OBJECTS
-from backend.platform.object_store import READ_BYTES, ObjectStore
+from backend.platform.object_store import ObjectStore
+from backend.platform.places import READ_BYTES
 from dropflow.provenance import code_version
 
 Report = Callable[[str], None]

@@ -147,7 +147,7 @@ def _work(engine: Engine) -> Finding:
 
 def _object_store(settings: Settings) -> Finding:
     store, key, content = (
-        ObjectStore(settings.object_store_url),
+        ObjectStore(settings.object_store_url, settings.outside),
         f"doctor/{secrets.token_hex(8)}",
         secrets.token_bytes(64),
     )

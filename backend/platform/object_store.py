@@ -1,14 +1,13 @@
 """Bytes by key, in a local folder or in S3. Keys are made here of ids; no name from outside becomes one."""
 
-import io
 import os
 import shutil
-from collections.abc import AsyncIterator, Iterator
+from collections.abc import AsyncIterator, Iterator, Mapping
 from contextlib import suppress
 from datetime import datetime
 from functools import partial
 from pathlib import Path
-from typing import Any, BinaryIO, cast
+from typing import Any, BinaryIO
 from urllib.parse import unquote, urlparse
 from uuid import UUID
 
@@ -16,10 +15,11 @@ import obstore
 import zarr.storage
 from obstore.store import LocalStore, from_url
 
+from backend.models.lifecycle import OUTSIDE
 from backend.platform.growing import Growing, GrowingFile, GrowingPieces
-from backend.platform.places import INDEX_NAME, Piece, Place, ReadAt, Stretch, joined, read_index
+from backend.platform.imported import Imported
+from backend.platform.places import INDEX_NAME, READ_BYTES, Piece, Place, ReadAt, buffered, joined, read_index
 
-READ_BYTES = 1 << 20
 _MOST_INDEXES = 1000
 QUALITY_FILE = "quality.bin"
 """Beside what tracking made: `dropflow.statistics.quality.FrameQuality`, packed."""
@@ -48,7 +48,9 @@ def experiment_prefix(experiment_id: UUID) -> str:
 class ObjectStore:
     """The few things done with objects, the same for every kind of store."""
 
-    def __init__(self, url: str) -> None:
+    def __init__(self, url: str, outside: Mapping[str, str] | None = None) -> None:
+        self.imported = Imported(outside or {})
+        """Files that stay where they were imported from; `outside` are the roots they lie below, by name."""
         self._root: Path | None = None
         if url.startswith("file://"):
             self._root = Path(unquote(urlparse(url).path))
@@ -88,6 +90,8 @@ class ObjectStore:
     def open_place(self, place: Place) -> BinaryIO:
         """Open a stretch of an object, or of pieces, for reading; it can seek."""
         close = None
+        if place.key.startswith(OUTSIDE):
+            return self.imported.open(place)
         if place.key.endswith("/"):
             read_at = joined(self._pieces(place.key), lambda name, at, n: self._range(place.key + name, at, n))
         elif self._root is None:
@@ -97,8 +101,7 @@ class ObjectStore:
             if place.start_byte == 0 and os.fstat(file.fileno()).st_size == place.size_bytes:
                 return file
             read_at, close = _reading(file), file.close
-        stretch = Stretch(read_at, start=place.start_byte, size=place.size_bytes, close=close)
-        return cast(BinaryIO, io.BufferedReader(stretch, READ_BYTES))
+        return buffered(read_at, start=place.start_byte, size=place.size_bytes, close=close)
 
     def stream_place(self, place: Place, start: int, stop: int) -> Iterator[bytes]:
         """The bytes from `start` until before `stop` of a stretch, piece by piece."""

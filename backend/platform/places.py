@@ -6,9 +6,12 @@ from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import accumulate
+from typing import BinaryIO, cast
 
 INDEX_NAME = "pieces.json"
 """Beside the pieces of an upload: their names and sizes, in the order of their bytes."""
+
+READ_BYTES = 1 << 20
 
 ReadAt = Callable[[int, int], bytes]
 """`read_at(start, n)` gives at most `n` bytes, and none only at the end."""
@@ -21,6 +24,10 @@ class Place:
     key: str
     start_byte: int
     size_bytes: int
+    version: str | None = None
+    """Of a file outside the store, as it was when it was imported."""
+    sha256: str | None = None
+    """Of a file outside the store."""
 
 
 @dataclass(frozen=True)
@@ -65,6 +72,11 @@ class Stretch(io.RawIOBase):
         if not self.closed and self._close is not None:
             self._close()
         super().close()
+
+
+def buffered(read_at: ReadAt, *, size: int, start: int = 0, close: Callable[[], None] | None = None) -> BinaryIO:
+    """Something that can be read at any place, as a file whose small reads are joined."""
+    return cast(BinaryIO, io.BufferedReader(Stretch(read_at, start=start, size=size, close=close), READ_BYTES))
 
 
 def joined(pieces: Sequence[Piece], read_piece: Callable[[str, int, int], bytes]) -> ReadAt:

@@ -14,6 +14,7 @@ from backend.platform.previews import LONGEST_WAIT_S, PREVIEW_TASK, PreviewReque
 
 TASK_NAME = "worker.look_for_work"
 QUEUE_OF_TASK = {
+    "import": "ingest",
     "ingest": "ingest",
     "prepare": "shards",
     "detect": "shards",

@@ -1,6 +1,7 @@
 """What differs between one machine, a lab server and a cluster; read from the environment, refused where nonsense."""
 
 import hashlib
+import re
 import tempfile
 from email.utils import parseaddr
 from functools import cache
@@ -9,7 +10,7 @@ from pathlib import Path
 from typing import Annotated, Literal
 from urllib.parse import urlsplit
 
-from pydantic import Field, SecretStr, field_validator, model_validator
+from pydantic import BaseModel, ConfigDict, Field, SecretStr, field_validator, model_validator
 from pydantic_settings import BaseSettings, SettingsConfigDict
 from sqlalchemy import make_url
 from sqlalchemy.exc import ArgumentError
@@ -18,6 +19,28 @@ CHECKOUT = Path(__file__).resolve().parents[2]
 GIGABYTE = 1_000_000_000
 _LAST_PORT = 65535
 LEAST_SECRET = 32
+
+
+class ImportRoot(BaseModel):
+    """A place that frames may be imported from, and for whom."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    url: str
+    groups: tuple[str, ...] | None = None
+    """Names of groups; without it, all."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _short(cls, given: object) -> object:
+        return {"url": given} if isinstance(given, str) else given
+
+    @field_validator("url")
+    @classmethod
+    def _folder_or_prefix(cls, url: str) -> str:
+        if not url.startswith(("file:///", "s3://")) or url.rstrip("/") in ("file:", "s3:"):
+            raise ValueError("must be file:///an/absolute/folder or s3://bucket/prefix")
+        return url
 
 
 class Settings(BaseSettings):
@@ -92,6 +115,10 @@ class Settings(BaseSettings):
     max_body_bytes: Annotated[int, Field(ge=1024)] = 1_000_000
     """Largest request that is no file."""
 
+    import_roots: dict[str, ImportRoot] = {}
+    """JSON: what frames may be imported from, by name, such as `{"microscope": "file:///data/microscope", "archive":
+    {"url": "s3://bucket/films", "groups": ["Foams"]}}`: nothing else of the server, and for these groups alone."""
+
     upload_expires_s: Annotated[float, Field(ge=60)] = 7 * 86_400.0
     """How long an upload that broke off can be continued after its last byte."""
 
@@ -129,6 +156,13 @@ class Settings(BaseSettings):
         if not url.startswith(("file:///", "s3://")):
             raise ValueError("must be file:///an/absolute/folder or s3://bucket/prefix")
         return url
+
+    @field_validator("import_roots")
+    @classmethod
+    def _names_of_roots(cls, roots: dict[str, ImportRoot]) -> dict[str, ImportRoot]:
+        if wrong := [name for name in roots if not re.fullmatch(r"[\w .-]{1,50}", name)]:
+            raise ValueError(f"{wrong[0]!r} must be a name of letters, digits, spaces, dots and dashes")
+        return roots
 
     @field_validator("metrics_address")
     @classmethod
@@ -202,6 +236,11 @@ class Settings(BaseSettings):
             if self.smtp_security == "none" and not is_loopback(self.smtp_host):
                 raise ValueError("SMTP_PASSWORD would go unencrypted: set SMTP_SECURITY to starttls or tls")
         return self
+
+    @property
+    def outside(self) -> dict[str, str]:
+        """URLs of what frames may be imported from, by name."""
+        return {name: root.url for name, root in self.import_roots.items()}
 
     @property
     def is_open(self) -> bool:

@@ -3,8 +3,15 @@
 from collections.abc import Mapping, Sequence
 from typing import BinaryIO
 
+from backend.models import File
 from backend.platform.object_store import ObjectStore
 from backend.platform.places import Place
+
+
+def place_of(file: File) -> Place:
+    """Where the bytes of a file are."""
+    is_outside = file.version is not None
+    return Place(file.store_key, file.start_byte, file.size_bytes, file.version, file.sha256 if is_outside else None)
 
 
 class StoreFiles:

@@ -6,7 +6,7 @@ from uuid import UUID
 from sqlalchemy import Select, delete, func, select
 from sqlalchemy.orm import Session
 
-from backend.models import Experiment, File, Run, Shard, Upload
+from backend.models import Experiment, File, Import, Run, Shard, Upload
 from backend.platform.pages import Order, page_of
 from backend.platform.visibility import Viewer, visible_experiments
 from backend.stacks.schemas import FileQuery
@@ -60,18 +60,28 @@ def has_runs(session: Session, experiment_id: UUID) -> bool:
 
 
 def delete_ingest(session: Session, experiment_id: UUID) -> None:
-    """Forget the work of indexing; a worker that holds it finds its lease gone."""
+    """Forget the work of importing and indexing; a worker that holds it finds its lease gone."""
+    session.execute(delete(Import).where(Import.experiment_id == experiment_id))
     session.execute(delete(Shard).where(Shard.experiment_id == experiment_id, Shard.run_id.is_(None)))
 
 
 def missing(session: Session, experiment_id: UUID) -> tuple[int, int]:
     """Number of files that were announced but have not arrived, and how many bytes of them have not."""
-    n_files, n_bytes = func.sum(Upload.n_files), func.sum(Upload.size_bytes - Upload.offset_bytes)
-    query = select(func.coalesce(n_files, 0), func.coalesce(n_bytes, 0))
-    row = session.execute(
+    to_come = func.sum(Upload.size_bytes - Upload.offset_bytes)
+    query = select(func.coalesce(func.sum(Upload.n_files), 0), func.coalesce(to_come, 0))
+    n_files, n_bytes = session.execute(
         query.where(Upload.experiment_id == experiment_id, Upload.finished_at.is_(None), Upload.problem.is_(None))
     ).one()
-    return int(row[0]), int(row[1])
+    return int(n_files), int(n_bytes)
+
+
+def missing_of_import(session: Session, experiment_id: UUID) -> tuple[int, int]:
+    """The same of an import that broke off."""
+    begun = session.get(Import, experiment_id)
+    if begun is None or begun.finished_at is not None:
+        return 0, 0
+    n_there = session.scalar(select(func.count(File.id)).where(File.experiment_id == experiment_id)) or 0
+    return max(begun.n_files - n_there, 0), max(begun.size_bytes - size_bytes(session, experiment_id), 0)
 
 
 def end_uploads(session: Session, experiment_id: UUID) -> list[str]:

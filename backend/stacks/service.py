@@ -14,6 +14,7 @@ from backend.platform.downloads import Download
 from backend.platform.events import announce, experiment_topic
 from backend.platform.object_store import ObjectStore
 from backend.platform.places import Place
+from backend.platform.store_files import place_of
 from backend.platform.visibility import Viewer
 from backend.stacks import repository, schemas
 from backend.stacks.attachments import disagreements
@@ -42,7 +43,7 @@ def download(session: Session, store: ObjectStore, viewer: Viewer, experiment_id
     file = repository.file(session, viewer, experiment_id, file_id)
     if file is None:
         raise NoSuchFile
-    place = Place(file.store_key, file.start_byte, file.size_bytes)
+    place = place_of(file)
     return Download(
         name=file.name,
         media_type="application/octet-stream",
@@ -76,7 +77,8 @@ def seal(
 
 
 def _end_uploads(session: Session, experiment_id: UUID, *, leave_out_missing: bool) -> None:
-    n_missing, n_bytes = repository.missing(session, experiment_id)
+    coming = (repository.missing(session, experiment_id), repository.missing_of_import(session, experiment_id))
+    n_missing, n_bytes = (sum(part) for part in zip(*coming, strict=True))
     if n_missing and not leave_out_missing:
         raise FilesMissing(n_missing, n_bytes)
     doom(session, repository.end_uploads(session, experiment_id))
@@ -118,8 +120,4 @@ def with_frame(session: Session, viewer: Viewer, experiment_id: UUID, frame: int
 def frame_files(session: Session, viewer: Viewer, experiment_id: UUID) -> dict[str, Place]:
     """Where each file of frames is kept, by name."""
     found: list[File] = list(repository.files(session, viewer, experiment_id))
-    return {
-        file.name: Place(file.store_key, file.start_byte, file.size_bytes)
-        for file in found
-        if file.role == schemas.Role.FRAMES
-    }
+    return {file.name: place_of(file) for file in found if file.role == schemas.Role.FRAMES}

@@ -13,8 +13,7 @@ from backend.models.lifecycle import remove_files
 from backend.models.states import STACK_RULES, rule
 from backend.platform.dependencies import Platform
 from backend.platform.events import announce, experiment_topic
-from backend.platform.object_store import READ_BYTES
-from backend.platform.places import INDEX_NAME, Place, write_index
+from backend.platform.places import INDEX_NAME, READ_BYTES, Place, write_index
 from backend.platform.problems import problem_of
 from backend.stacks.content import check_kind
 from backend.stacks.errors import WrongKind

@@ -15,7 +15,7 @@ from dropflow.client.connection import Connection
 from dropflow.client.documents import Group
 from dropflow.client.errors import ServerProblem
 from dropflow.client.experiments import Experiment, Experiments
-from dropflow.client.films import film_files, submission_key
+from dropflow.client.films import film_files, import_key, submission_key
 from dropflow.client.runs import Run, Runs
 from dropflow.client.versions import ApiVersion
 from dropflow.experiment import load_experiment
@@ -96,6 +96,24 @@ class Client:
         experiment = self._create(description, group_id, name, is_again=is_again)
         experiment.send(files, progress=progress)
         return experiment.wait_ready(progress=progress)
+
+    def film_on_server(
+        self,
+        root: str,
+        path: str,
+        description: Path | str,
+        *,
+        by_reference: bool = False,
+        group_id: UUID | str | None = None,
+        is_again: bool = False,
+        progress: Progress = silent,
+    ) -> Experiment:
+        """As `film`, of frames that the server takes itself from `path` below one of its import roots."""
+        description = Path(description)
+        document = load_experiment(description).model_dump(mode="json")
+        name = import_key(document, root, path, None if group_id is None else str(group_id))
+        experiment = self._create(description, group_id, name, is_again=is_again)
+        return experiment.import_from(root, path, by_reference=by_reference, progress=progress)
 
     def submit(
         self,

@@ -36,10 +36,18 @@ class Group(_Document):
     name: str
 
 
+class Importing(_Document):
+    """How far an import is."""
+
+    size_bytes: int
+    done_bytes: int
+
+
 class Stack(_Document):
     """The frames of an experiment."""
 
-    state: Literal["empty", "uploading", "indexing", "ready", "rejected"]
+    state: str
+    """``empty``, ``uploading``, ``indexing``, ``ready``, ``rejected`` or ``expired``."""
     n_files: int
     size_bytes: int
     n_frames: int | None = None
@@ -47,6 +55,7 @@ class Stack(_Document):
     columns: int | None = None
     duration_s: float | None = None
     done_frames: int | None = None
+    importing: Importing | None = None
     problem: Problem | None = None
     warnings: tuple[str, ...] = ()
 

@@ -20,7 +20,7 @@ from dropflow.client.waiting import follow
 from dropflow.experiment import load_experiment, parse_experiment
 from dropflow.progress import Progress, silent
 
-INDEX = "index"
+INDEX, IMPORT = "index", "import"
 
 
 class Experiment:
@@ -99,6 +99,21 @@ class Experiment:
             self._seal()
         return self.refresh()
 
+    def import_from(
+        self, root: str, path: str = "", *, by_reference: bool = False, progress: Progress = silent
+    ) -> Experiment:
+        """Have the server take the frames from `path` below one of its import roots, and wait until all were read.
+
+        With `by_reference` they stay where they are and must not change as long as runs need them. Called again after
+        a kill, it goes on waiting.
+        """
+        self._connection.needs(Capability.IMPORTS)
+        if self.refresh().document.stack.state in ("empty", "uploading", "rejected"):
+            mode = "reference" if by_reference else "copy"
+            body = {"root": root, "path": path, "mode": mode}
+            self._connection.request("POST", f"{self._path}/imports", json=body)
+        return self.wait_ready(progress=progress)
+
     def wait_ready(self, *, progress: Progress = silent, timeout_s: float | None = None) -> Experiment:
         """Wait until every frame was read; raise `WentWrong` naming the file and frame that cannot be used."""
         for seen in follow(
@@ -109,6 +124,9 @@ class Experiment:
             timeout_s=timeout_s,
         ):
             self.document, stack = seen, seen.stack
+            if stack.importing is not None:
+                progress(IMPORT, stack.importing.done_bytes, max(stack.importing.size_bytes, 1))
+                continue
             n_attached = sum(self.document.experiment.get(name) is not None for name in NAMED)
             done = (stack.n_frames if stack.state == "ready" else stack.done_frames) or 0
             progress(INDEX, done, stack.n_frames or max(stack.n_files - n_attached, done, 1))

@@ -74,3 +74,10 @@ def submission_key(document: dict[str, Any], files: list[FilmFile], group_id: st
     """A name for "this film, so described": the same command gives the same name, after a kill or on another day."""
     about = [document, group_id, [(file.role, file.name, file.size_bytes) for file in files]]
     return hashlib.sha256(json.dumps(about, sort_keys=True, default=str).encode()).hexdigest()
+
+
+def import_key(document: dict[str, Any], root: str, path: str, group_id: str | None) -> str:
+    """The same for a film that the server takes from one of its import roots."""
+    return hashlib.sha256(
+        json.dumps([document, group_id, "import", root, path], sort_keys=True, default=str).encode()
+    ).hexdigest()

@@ -34,6 +34,7 @@ class Capability(Enum):
     LIST_FILTERS = (ApiVersion(1, 1), "filters of lists")
     ALL_RUNS = (ApiVersion(1, 1), "the list of all runs")
     RESUMABLE_DOWNLOADS = (ApiVersion(1, 1), "resumable downloads")
+    IMPORTS = (ApiVersion(1, 2), "imports")
 
     @property
     def since(self) -> ApiVersion:

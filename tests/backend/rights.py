@@ -88,6 +88,8 @@ NEEDS = {
     "stack_complete": Needs.EDIT,
     "stack_delete": Needs.EDIT,
     "frames_picture": Needs.VIEW,
+    "imports_look": Needs.EDIT,
+    "imports_create": Needs.EDIT,
     "uploads_plan": Needs.EDIT,
     "uploads_create": Needs.EDIT,
     "uploads_list": Needs.VIEW,

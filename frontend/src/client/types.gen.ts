@@ -918,6 +918,46 @@ export type Holder = {
 };
 
 /**
+ * ImportMode
+ *
+ * What becomes of files that are imported.
+ */
+export type ImportMode = 'copy' | 'reference';
+
+/**
+ * Importing
+ *
+ * How far an import is.
+ */
+export type Importing = {
+    /**
+     * Bytes Per S
+     */
+    bytes_per_s: number | null;
+    /**
+     * Done Bytes
+     */
+    done_bytes: number;
+    mode: ImportMode;
+    /**
+     * N Files
+     */
+    n_files: number;
+    /**
+     * Path
+     */
+    path: string;
+    /**
+     * Root
+     */
+    root: string;
+    /**
+     * Size Bytes
+     */
+    size_bytes: number;
+};
+
+/**
  * Invitation
  *
  * An invitation that is open.
@@ -1405,6 +1445,23 @@ export type NewGroup = {
 };
 
 /**
+ * NewImport
+ *
+ * Where the frames are.
+ */
+export type NewImport = {
+    mode?: ImportMode;
+    /**
+     * Path
+     */
+    path?: string;
+    /**
+     * Root
+     */
+    root: string;
+};
+
+/**
  * NewInvitation
  *
  * An invitation to make.
@@ -1588,6 +1645,22 @@ export type Notices = {
 };
 
 /**
+ * OutsideFile
+ *
+ * A file that could be imported.
+ */
+export type OutsideFile = {
+    /**
+     * Name
+     */
+    name: string;
+    /**
+     * Size Bytes
+     */
+    size_bytes: number;
+};
+
+/**
  * Overview
  *
  * What an administrator looks at first.
@@ -1705,6 +1778,42 @@ export type PersonLink = {
  * How a picture is packed: JPEG is made a hundred times quicker, WebP is smaller.
  */
 export type PictureKind = 'jpg' | 'webp';
+
+/**
+ * Place
+ *
+ * What is in a folder below a root, or which roots there are.
+ */
+export type Place = {
+    /**
+     * Files
+     */
+    files: Array<OutsideFile>;
+    /**
+     * Folders
+     */
+    folders: Array<string>;
+    /**
+     * N Files
+     */
+    n_files: number;
+    /**
+     * Path
+     */
+    path: string;
+    /**
+     * Root
+     */
+    root: string | null;
+    /**
+     * Roots
+     */
+    roots: Array<string>;
+    /**
+     * Size Bytes
+     */
+    size_bytes: number;
+};
 
 /**
  * Plan
@@ -2441,6 +2550,7 @@ export type Stack = {
      * Duration S
      */
     duration_s: number | null;
+    importing: Importing | null;
     /**
      * N Files
      */
@@ -4369,6 +4479,151 @@ export type ExperimentsMoveResponses = {
 };
 
 export type ExperimentsMoveResponse = ExperimentsMoveResponses[keyof ExperimentsMoveResponses];
+
+export type ImportsLookData = {
+    body?: never;
+    path: {
+        /**
+         * Experiment Id
+         */
+        experiment_id: string;
+    };
+    query?: {
+        /**
+         * Root
+         */
+        root?: string | null;
+        /**
+         * Path
+         */
+        path?: string;
+    };
+    url: '/api/v1/experiments/{experiment_id}/imports';
+};
+
+export type ImportsLookErrors = {
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * Service Unavailable
+     */
+    503: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type ImportsLookError = ImportsLookErrors[keyof ImportsLookErrors];
+
+export type ImportsLookResponses = {
+    /**
+     * Successful Response
+     */
+    200: Place;
+};
+
+export type ImportsLookResponse = ImportsLookResponses[keyof ImportsLookResponses];
+
+export type ImportsCreateData = {
+    body: NewImport;
+    path: {
+        /**
+         * Experiment Id
+         */
+        experiment_id: string;
+    };
+    query?: never;
+    url: '/api/v1/experiments/{experiment_id}/imports';
+};
+
+export type ImportsCreateErrors = {
+    /**
+     * Bad Request
+     */
+    400: Problem;
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Conflict
+     */
+    409: Problem;
+    /**
+     * Request Entity Too Large
+     */
+    413: Problem;
+    /**
+     * Unsupported Media Type
+     */
+    415: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * Service Unavailable
+     */
+    503: Problem;
+    /**
+     * Insufficient Storage
+     */
+    507: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type ImportsCreateError = ImportsCreateErrors[keyof ImportsCreateErrors];
+
+export type ImportsCreateResponses = {
+    /**
+     * Successful Response
+     */
+    202: Experiment;
+};
+
+export type ImportsCreateResponse = ImportsCreateResponses[keyof ImportsCreateResponses];
 
 export type PreviewsCreateData = {
     body: PreviewWish;

@@ -1,6 +1,7 @@
 import { Button, Stack } from "@mantine/core";
 import { useState } from "react";
 import type { Experiment } from "../client";
+import { ImportFrames } from "../imports/ImportFrames";
 import { plural } from "../platform/format";
 import { ChosenFiles } from "../uploads/ChosenFiles";
 import { DropArea } from "../uploads/DropArea";
@@ -20,6 +21,7 @@ export function AddFrames({ experiment }: { experiment: Experiment }) {
   return (
     <Stack gap="sm">
       <DropArea onFound={(found) => setFiles([...files, ...found])} />
+      {files.length === 0 && <ImportFrames experiment={experiment} />}
       <ChosenFiles
         frames={sorted.frames}
         left_out={sorted.left_out}

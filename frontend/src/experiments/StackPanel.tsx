@@ -2,6 +2,7 @@ import { Alert, Button, List, Progress, Stack, Text } from "@mantine/core";
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { useEffect } from "react";
 import { type Experiment, stackDelete } from "../client";
+import { ImportProgress } from "../imports/ImportProgress";
 import { ConfirmButton } from "../platform/ConfirmButton";
 import { formatBytes, formatCount, plural } from "../platform/format";
 import { Panel } from "../platform/Panel";
@@ -77,7 +78,18 @@ export function StackPanel({ experiment }: { experiment: Experiment }) {
   }
 }
 
-function Indexing({ experiment: { stack } }: { experiment: Experiment }) {
+function Indexing({ experiment }: { experiment: Experiment }) {
+  const { stack } = experiment;
+  if (stack.importing)
+    return (
+      <Panel
+        title="Importing the frames"
+        about="This page can be closed: the server goes on by itself. Then every frame is read once."
+        actions={<StartOver experiment={experiment} />}
+      >
+        <ImportProgress importing={stack.importing} />
+      </Panel>
+    );
   const done = stack.done_frames ?? 0;
   const percent = stack.n_frames ? (100 * done) / stack.n_frames : 100;
   return (

@@ -14,7 +14,7 @@ import pytest
 
 from dropflow.results import open_results
 from tests.dropflow.client.conftest import Command
-from tests.services import RunningService
+from tests.services import RunningService, running_service
 
 
 def _id_of(said: str) -> str:
@@ -103,3 +103,20 @@ def test_what_is_wrong_is_one_line_and_exit_code_2(
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr.count("\n") == 1
     assert f"[{words}]" in done.stderr
+
+
+@pytest.mark.slow
+def test_frames_that_the_server_can_read_are_imported_and_nothing_is_sent(
+    database_url: str, redis_url: str, command: Command, stack: Path
+) -> None:
+    roots = json.dumps({"microscope": stack.parent.as_uri()})
+    about = ("--experiment", stack.parent / "experiment.yaml", "--parameters", stack.parent / "parameters.yaml")
+    with running_service(database_url, redis_url, IMPORT_ROOTS=roots) as service:
+        asked = ("submit", "frames", *about, "--import-from", "microscope", "--by-reference", "--server", service.url)
+        done = command(*asked, "--wait")
+        assert done.returncode == 0, done.stderr
+        assert "upload" not in done.stderr
+        assert command(*asked).stdout.startswith(f"The run was there already: {_id_of(done.stdout)}")
+        elsewhere = ("submit", "../frames", *about, "--import-from", "microscope", "--server", service.url)
+        refused = command(*elsewhere)
+        assert (refused.returncode, refused.stderr.count("\n")) == (2, 1), refused.stderr
