@@ -40,6 +40,8 @@ from backend.platform.queue import Queue
 from backend.platform.rates import Rates
 from backend.platform.settings import Settings, environment_settings
 from backend.platform.stopping import before_stopping
+from backend.presets.endpoints import router as presets
+from backend.previews.endpoints import of_runs as detections
 from backend.previews.endpoints import router as previews
 from backend.quality.endpoints import router as quality
 from backend.results.endpoints import router as results
@@ -94,21 +96,9 @@ def bare_app(lifespan: Lifespan[FastAPI] | None = None) -> FastAPI:
     )
     api = APIRouter(prefix=API, dependencies=[Depends(check_media)])
     lab = (session_router, account_router, people_router, groups, invitations_router, webhooks, tokens, shares)
-    films = (
-        experiments,
-        stacks,
-        imports,
-        uploads,
-        runs,
-        results,
-        trajectories,
-        flow,
-        quality,
-        comparisons,
-        planning,
-        previews,
-    )
-    for router in (health, forms, *lab, administration, *films):
+    films = (experiments, stacks, imports, uploads, runs, results, trajectories, flow, quality, comparisons)
+    aids = (planning, presets, previews, detections)
+    for router in (health, forms, *lab, administration, *films, *aids):
         api.include_router(router)
     app.include_router(api)
     problems.install(app)

@@ -45,7 +45,7 @@ class House:
     def empty(self) -> None:
         """Forget everything but the people."""
         with self.context.sessions.begin() as session:
-            session.execute(text("TRUNCATE experiment, doomed_object, idempotency_key CASCADE"))
+            session.execute(text("TRUNCATE experiment, doomed_object, idempotency_key, preset CASCADE"))
         shutil.rmtree(self.objects / "experiments", ignore_errors=True)
         with redis.Redis.from_url(self.context.settings.redis_url) as broker:
             broker.flushdb()

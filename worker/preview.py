@@ -45,7 +45,7 @@ def answer(context: Context, request: PreviewRequest) -> None:
 
 
 def _found(context: Context, request: PreviewRequest) -> dict[str, Any]:
-    film = films.get(context, request.experiment_id)
+    film = films.get(context, request.experiment_id, request.document)
     parameters = parse_parameters(request.parameters)
     match request.kind:
         case "droplets":

@@ -88,15 +88,15 @@ class Films:
     def __init__(self) -> None:
         self._kept = Kept(MOST_FILMS)
 
-    def get(self, context: Context, experiment_id: UUID) -> Film:
-        """An experiment's film as it is now: another description or other frames are another film."""
+    def get(self, context: Context, experiment_id: UUID, told: dict[str, Any] | None = None) -> Film:
+        """An experiment's film, as `told` or as it is now: another description or other frames are another film."""
         with context.sessions.begin() as session:
             row = session.get(ExperimentRow, experiment_id)
             if row is None or row.stack.index_key is None:
                 raise FramesError("The frames are not there any more.", code="frames.gone")
             document, index_key, checksum = row.document, row.stack.index_key, row.stack.checksum
             files = uploaded_files(session, experiment_id)
-        experiment = parse_experiment(document)
+        experiment = parse_experiment(document if told is None else told)
 
         def open_film() -> Film:
             source = StoreFiles(context.store, files[FRAMES_ROLE])

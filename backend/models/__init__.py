@@ -13,6 +13,7 @@ from backend.models.base import Base
 from backend.models.experiments import Experiment, File, Import, ImportMode, Stack
 from backend.models.notices import Event, Notice, NoticeState, Webhook
 from backend.models.people import Group, Membership, Person, Right
+from backend.models.presets import Preset
 from backend.models.requests import IdempotencyKey
 from backend.models.runs import DoomedObject, FrameSummary, Product, Run, Shard, Speed, Stage, Tally
 from backend.models.uploads import Upload, UploadPiece
@@ -36,6 +37,7 @@ __all__ = [
     "Notice",
     "NoticeState",
     "Person",
+    "Preset",
     "Product",
     "Right",
     "Run",

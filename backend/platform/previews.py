@@ -35,6 +35,8 @@ class PreviewRequest(BaseModel):
     frame: int = 0
     region: Region | None = None
     parameters: dict[str, Any] = {}
+    document: dict[str, Any] | None = None
+    """What was filmed, as a run was told; None: as the experiment says now."""
     is_picture_wanted: bool = False
 
 

@@ -1,18 +1,23 @@
-"""/experiments/{id}/previews and /suggestions."""
+"""/experiments/{id}/previews and /suggestions, and the same look at a frame of a run."""
 
+from typing import Annotated
 from uuid import UUID
 
-from fastapi import APIRouter
+from fastapi import APIRouter, Query
 
 from backend.experiments.errors import NoSuchExperiment
-from backend.platform.dependencies import EditorDependency, PlatformDependency
+from backend.platform.dependencies import EditorDependency, PlatformDependency, ViewerDependency
 from backend.platform.problems import InvalidRequest, responses
+from backend.platform.rates import TooOften
 from backend.previews import service
 from backend.previews.errors import PreviewFailed, PreviewLate
 from backend.previews.schemas import LinkPreview, LinkWish, Preview, PreviewWish, Suggestions
+from backend.results.endpoints import FrameNumber
+from backend.runs.errors import NoSuchRun
 from backend.stacks.errors import StackNotReady
 
 router = APIRouter(prefix="/experiments/{experiment_id}", tags=["previews"])
+of_runs = APIRouter(prefix="/runs/{run_id}", tags=["results"])
 _ERRORS = responses(NoSuchExperiment, StackNotReady, PreviewFailed, PreviewLate, InvalidRequest)
 
 
@@ -36,3 +41,18 @@ def link_previews_create(
 def suggestions_create(platform: PlatformDependency, viewer: EditorDependency, experiment_id: UUID) -> Suggestions:
     """Measure noise, contrast, radii and displacement on a few frames, and propose parameters."""
     return service.suggestions(platform, viewer, experiment_id)
+
+
+@of_runs.get(
+    "/frames/{frame}/detection",
+    responses=responses(NoSuchRun, StackNotReady, PreviewFailed, PreviewLate, TooOften, InvalidRequest),
+)
+def detections_get(
+    platform: PlatformDependency,
+    viewer: ViewerDependency,
+    run_id: UUID,
+    frame: FrameNumber,
+    is_picture_wanted: Annotated[bool, Query(description="Also answer the frame as detection sees it.")] = False,
+) -> Preview:
+    """Look once more at a frame as the run did: what was found, and what was not taken for a droplet and why."""
+    return service.of_run(platform, viewer, run_id, frame, is_picture_wanted=is_picture_wanted)

@@ -12,11 +12,14 @@ from backend.platform.problems import Problem
 from backend.platform.visibility import Viewer
 from backend.previews.errors import PreviewFailed, PreviewLate
 from backend.previews.schemas import LinkPreview, LinkWish, Preview, PreviewWish, Suggestions
+from backend.runs.service import get as get_run
 from backend.stacks.errors import StackNotReady
 from backend.stacks.service import with_frame
 from dropflow.parameters import parse_parameters
 
 PATIENCE_S = {"droplets": 20.0, "links": 45.0, "suggestions": 45.0}
+LOOKS_PER_MINUTE = 120
+"""Also visitors of a shared run may look: they must not take the workers from everybody else."""
 _FIRST_LOOK_S, _LONGEST_PAUSE_S = 0.02, 0.2
 
 
@@ -24,6 +27,16 @@ def droplets(platform: Platform, viewer: Viewer, experiment_id: UUID, wish: Prev
     """What detection finds in a frame."""
     about = wish.model_dump(exclude={"region"}) | {"region": wish.region}
     return Preview.model_validate(_ask(platform, viewer, experiment_id, "droplets", about))
+
+
+def of_run(platform: Platform, viewer: Viewer, run_id: UUID, frame: int, *, is_picture_wanted: bool) -> Preview:
+    """What a run saw in a frame, looked at once more: rejected candidates are not kept."""
+    platform.rates.count("looks at a frame of a run", str(viewer.person_id or viewer.share_id), LOOKS_PER_MINUTE)
+    with platform.sessions.begin() as session:
+        run = get_run(session, viewer, run_id)
+        experiment_id, document = run.experiment_id, run.document
+        about = {"frame": frame, "parameters": run.parameters, "is_picture_wanted": is_picture_wanted}
+    return Preview.model_validate(_ask(platform, viewer, experiment_id, "droplets", about | {"document": document}))
 
 
 def links(platform: Platform, viewer: Viewer, experiment_id: UUID, wish: LinkWish) -> LinkPreview:

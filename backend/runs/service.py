@@ -47,7 +47,7 @@ def page(session: Session, viewer: Viewer, query: schemas.RunQuery, experiment_i
 
 def create(session: Session, platform: Platform, viewer: Viewer, experiment_id: UUID, document: dict[str, Any]) -> Run:
     """Plan a run: its first shard looks at the stack and makes the others."""
-    parameters = _read_parameters(document)
+    parameters = read_parameters(document)
     experiment = get_locked(session, viewer, experiment_id)
     stack = experiment.stack
     if stack.state != StackState.READY or stack.n_frames is None or stack.rows is None or stack.columns is None:
@@ -172,7 +172,8 @@ def look(platform: Platform, viewer: Viewer, run_id: UUID) -> schemas.Run:
         return shown(session, get(session, viewer, run_id))
 
 
-def _read_parameters(document: dict[str, Any]) -> Parameters:
+def read_parameters(document: dict[str, Any]) -> Parameters:
+    """Parameters from outside, checked."""
     if problems := list(unstorable(document)):
         raise ParametersError("Please correct:", fields=problems)
     return parse_parameters(document)

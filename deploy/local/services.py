@@ -66,9 +66,9 @@ def demo(options: Options, folder: InstanceFolder, environment: Mapping[str, str
 
 
 def workers(folder: InstanceFolder, environment: Mapping[str, str]) -> list[Program]:
-    """Shards have a process a core. What takes hours, and what somebody waits for, each have one of their own."""
+    """Shards have a process a core. What takes hours has its own; who waits at the page, two: one may be measuring."""
     n_cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    processes = {"shards": n_cores, "sequential": max(1, n_cores // 2), "ingest": 1, "interactive": 1}
+    processes = {"shards": n_cores, "sequential": max(1, n_cores // 2), "ingest": 1, "interactive": 2}
     return [
         *(_worker(queue, n_processes, folder, environment) for queue, n_processes in processes.items()),
         _program("reconciler", ("-m", "worker.reconcile"), folder, environment),

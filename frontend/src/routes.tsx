@@ -1,4 +1,5 @@
 import { createRootRoute, createRoute, createRouter, lazyRouteComponent } from "@tanstack/react-router";
+import { compareSearch } from "./compare/address";
 import { ExperimentsPage } from "./experiments/ExperimentsPage";
 import { planSearch } from "./planning/wish";
 import { mountPath } from "./platform/base";
@@ -47,6 +48,13 @@ const planning = createRoute({
   component: lazyRouteComponent(() => import("./planning/PlanningPage"), "PlanningPage"),
 });
 
+const compare = createRoute({
+  getParentRoute: () => root,
+  path: "/compare",
+  validateSearch: compareSearch,
+  component: lazyRouteComponent(() => import("./compare/ComparePage"), "ComparePage"),
+});
+
 const signIn = createRoute({
   getParentRoute: () => root,
   path: "/sign-in",
@@ -92,7 +100,16 @@ const administration = createRoute({
 const people = [signIn, invitation, shared, account, groups, group, administration];
 
 export const router = createRouter({
-  routeTree: root.addChildren([experiments, newExperiment, experiment, newRun, run, planning, ...people]),
+  routeTree: root.addChildren([
+    experiments,
+    newExperiment,
+    experiment,
+    newRun,
+    run,
+    compare,
+    planning,
+    ...people,
+  ]),
   basepath: mountPath,
   defaultPreload: "intent",
   scrollRestoration: true,

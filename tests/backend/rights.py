@@ -14,6 +14,7 @@ class Needs(Enum):
     ACCOUNT = "a person themselves: no visitor, no token but of the scope admin"
     VIEW = "view in the group"
     EDIT = "edit in the group"
+    MEMBER = "a member of the group"
     GROUP = "a member of the group, or an administrator"
     GROUP_ACCOUNT = "the same, themselves"
     MANAGE_GROUP = "who manages the group, or an administrator"
@@ -67,6 +68,10 @@ NEEDS = {
     "webhooks_test": Needs.MANAGE_GROUP,
     "notices_list": Needs.MANAGE_GROUP,
     "notices_resend": Needs.MANAGE_GROUP,
+    "presets_list": Needs.MEMBER,
+    "presets_create": Needs.EDIT,
+    "presets_update": Needs.EDIT,
+    "presets_delete": Needs.EDIT,
     # /materials
     "materials_list": Needs.PERSON,
     "materials_get": Needs.PERSON,
@@ -120,6 +125,7 @@ NEEDS = {
     "flow_get": Needs.VIEW,
     "tails_get": Needs.VIEW,
     "trajectories_get": Needs.VIEW,
+    "detections_get": Needs.VIEW,
     "flow_maps_get": Needs.VIEW,
     "quality_get": Needs.VIEW,
     "report_get": Needs.VIEW,

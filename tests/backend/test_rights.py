@@ -29,6 +29,7 @@ THROUGH: dict[Needs, set[str]] = {
     Needs.ACCOUNT: {"stranger", *MEMBERS, "administrator"},
     Needs.VIEW: {"visitor", *MEMBERS, "reading token", "submitting token"},
     Needs.EDIT: {"editor", "manager", "submitting token"},
+    Needs.MEMBER: {*MEMBERS, "reading token", "submitting token"},
     Needs.GROUP: {*MEMBERS, "administrator", "reading token", "submitting token"},
     Needs.GROUP_ACCOUNT: {*MEMBERS, "administrator"},
     Needs.MANAGE_GROUP: {"manager", "administrator"},
@@ -37,6 +38,7 @@ THROUGH: dict[Needs, set[str]] = {
 NOT_THERE = {
     Needs.VIEW: {"stranger", "administrator"},
     Needs.EDIT: {"stranger", "administrator"},
+    Needs.MEMBER: {"stranger", "administrator", "visitor"},
     Needs.GROUP: {"stranger", "visitor"},
     Needs.GROUP_ACCOUNT: {"stranger"},
     Needs.MANAGE_GROUP: {"stranger"},

@@ -83,3 +83,10 @@ def test_nobody_waits_for_an_old_request(shared_house: House, experiment: Json) 
         _ask(shared_house, experiment, asked_at_s=time.time() - 3600)
     late = shared_house.api.post(f"experiments/{experiment['id']}/previews", json={"frame": 99})
     assert (late.status_code, late.json()["code"]) == (404, "not_found.frame")
+
+
+def test_a_frame_of_a_run_is_looked_at_as_the_run_was_told(shared_house: House, experiment: Json) -> None:
+    told = experiment["experiment"] | {"pixel_size_um": experiment["experiment"]["pixel_size_um"] / 2}
+    as_it_is = _ask(shared_house, experiment, frame=1)["found"]
+    as_told = _ask(shared_house, experiment, frame=1, document=told)["found"]
+    assert len(as_told["x_px"]) < len(as_it_is["x_px"])  # the smallest radius is twice as many pixels

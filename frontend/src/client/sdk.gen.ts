@@ -2,7 +2,7 @@
 
 import type { Client, Options as Options2, TDataShape } from './client';
 import { client } from './client.gen';
-import type { AccountEndSessionData, AccountEndSessionErrors, AccountEndSessionResponses, AccountGetData, AccountGetErrors, AccountGetResponses, AccountPasswordData, AccountPasswordErrors, AccountPasswordResponses, AccountSessionsData, AccountSessionsErrors, AccountSessionsResponses, AccountUpdateData, AccountUpdateErrors, AccountUpdateResponses, AdministrationGetData, AdministrationGetErrors, AdministrationGetResponses, AuditListData, AuditListErrors, AuditListResponses, ComparisonFiguresGetData, ComparisonFiguresGetErrors, ComparisonFiguresGetResponses, ComparisonFiguresTableData, ComparisonFiguresTableErrors, ComparisonFiguresTableResponses, ComparisonGetData, ComparisonGetErrors, ComparisonGetResponses, DropletsGetData, DropletsGetErrors, DropletsGetResponses, ExperimentsCreateData, ExperimentsCreateErrors, ExperimentsCreateResponses, ExperimentsDeleteData, ExperimentsDeleteErrors, ExperimentsDeleteResponses, ExperimentsEventsData, ExperimentsEventsErrors, ExperimentsEventsResponses, ExperimentsGetData, ExperimentsGetErrors, ExperimentsGetResponses, ExperimentsListData, ExperimentsListErrors, ExperimentsListResponses, ExperimentsMoveData, ExperimentsMoveErrors, ExperimentsMoveResponses, ExperimentsUpdateData, ExperimentsUpdateErrors, ExperimentsUpdateResponses, ExportsGetData, ExportsGetErrors, ExportsGetResponses, ExportsListData, ExportsListErrors, ExportsListResponses, FiguresGetData, FiguresGetErrors, FiguresGetResponses, FiguresListData, FiguresListErrors, FiguresListResponses, FiguresTableData, FiguresTableErrors, FiguresTableResponses, FilesDownloadData, FilesDownloadErrors, FilesDownloadResponses, FilesListData, FilesListErrors, FilesListResponses, FilesUploadData, FilesUploadErrors, FilesUploadResponses, FlowGetData, FlowGetErrors, FlowGetResponses, FlowMapsGetData, FlowMapsGetErrors, FlowMapsGetResponses, FramesPictureData, FramesPictureErrors, FramesPictureResponses, GroupsCreateData, GroupsCreateErrors, GroupsCreateResponses, GroupsDeleteData, GroupsDeleteErrors, GroupsDeleteResponses, GroupsGetData, GroupsGetErrors, GroupsGetResponses, GroupsLimitData, GroupsLimitErrors, GroupsLimitResponses, GroupsListData, GroupsListErrors, GroupsListResponses, GroupsUpdateData, GroupsUpdateErrors, GroupsUpdateResponses, HealthGetData, HealthGetErrors, HealthGetResponses, ImportsCreateData, ImportsCreateErrors, ImportsCreateResponses, ImportsLookData, ImportsLookErrors, ImportsLookResponses, InvitationsAcceptData, InvitationsAcceptErrors, InvitationsAcceptResponses, InvitationsCreateData, InvitationsCreateErrors, InvitationsCreateResponses, InvitationsDeleteData, InvitationsDeleteErrors, InvitationsDeleteResponses, InvitationsListData, InvitationsListErrors, InvitationsListResponses, InvitationsLookData, InvitationsLookErrors, InvitationsLookResponses, LinkPreviewsCreateData, LinkPreviewsCreateErrors, LinkPreviewsCreateResponses, MaterialsGetData, MaterialsGetErrors, MaterialsGetPhaseDiagramData, MaterialsGetPhaseDiagramErrors, MaterialsGetPhaseDiagramResponses, MaterialsGetResponses, MaterialsGetViscosityData, MaterialsGetViscosityErrors, MaterialsGetViscosityResponses, MaterialsListData, MaterialsListErrors, MaterialsListResponses, MembersListData, MembersListErrors, MembersListResponses, MembersRemoveData, MembersRemoveErrors, MembersRemoveResponses, MembersSetData, MembersSetErrors, MembersSetResponses, NoticesListData, NoticesListErrors, NoticesListResponses, NoticesResendData, NoticesResendErrors, NoticesResendResponses, PeopleCreateData, PeopleCreateErrors, PeopleCreateResponses, PeopleLinkData, PeopleLinkErrors, PeopleLinkResponses, PeopleListData, PeopleListErrors, PeopleListResponses, PeopleUpdateData, PeopleUpdateErrors, PeopleUpdateResponses, PreviewsCreateData, PreviewsCreateErrors, PreviewsCreateResponses, QualityGetData, QualityGetErrors, QualityGetResponses, RampsDownloadData, RampsDownloadErrors, RampsDownloadResponses, RampsGetData, RampsGetErrors, RampsGetResponses, ReportGetData, ReportGetErrors, ReportGetResponses, ResultFilesDownloadData, ResultFilesDownloadErrors, ResultFilesDownloadResponses, ResultFilesListData, ResultFilesListErrors, ResultFilesListResponses, RunsCancelData, RunsCancelErrors, RunsCancelResponses, RunsCreateData, RunsCreateErrors, RunsCreateResponses, RunsDeleteData, RunsDeleteErrors, RunsDeleteResponses, RunsEventsData, RunsEventsErrors, RunsEventsResponses, RunsGetData, RunsGetErrors, RunsGetResponses, RunsGetReuseData, RunsGetReuseErrors, RunsGetReuseResponses, RunsListAllData, RunsListAllErrors, RunsListAllResponses, RunsListData, RunsListErrors, RunsListResponses, RunsRetryData, RunsRetryErrors, RunsRetryResponses, SchemasGetExperimentData, SchemasGetExperimentErrors, SchemasGetExperimentResponses, SchemasGetParametersData, SchemasGetParametersErrors, SchemasGetParametersResponses, SessionCreateData, SessionCreateErrors, SessionCreateResponses, SessionDeleteData, SessionDeleteErrors, SessionDeleteResponses, SessionGetData, SessionGetErrors, SessionGetResponses, SessionOidcCallbackData, SessionOidcCallbackErrors, SessionOidcCallbackResponses, SessionOidcData, SessionOidcErrors, SessionOidcResponses, SharesCreateData, SharesCreateErrors, SharesCreateResponses, SharesDeleteData, SharesDeleteErrors, SharesDeleteResponses, SharesListData, SharesListErrors, SharesListResponses, StackCompleteData, StackCompleteErrors, StackCompleteResponses, StackDeleteData, StackDeleteErrors, StackDeleteResponses, SuggestionsCreateData, SuggestionsCreateErrors, SuggestionsCreateResponses, TailsGetData, TailsGetErrors, TailsGetResponses, TokensCreateData, TokensCreateErrors, TokensCreateResponses, TokensListData, TokensListErrors, TokensListResponses, TokensRevokeData, TokensRevokeErrors, TokensRevokeResponses, TrajectoriesGetData, TrajectoriesGetErrors, TrajectoriesGetResponses, UploadsCreateData, UploadsCreateErrors, UploadsCreateResponses, UploadsGetData, UploadsGetErrors, UploadsGetResponses, UploadsListData, UploadsListErrors, UploadsListResponses, UploadsOffsetData, UploadsOffsetErrors, UploadsOffsetResponses, UploadsPlanData, UploadsPlanErrors, UploadsPlanResponses, UploadsSendData, UploadsSendErrors, UploadsSendResponses, UploadsTerminateData, UploadsTerminateErrors, UploadsTerminateResponses, WebhooksCreateData, WebhooksCreateErrors, WebhooksCreateResponses, WebhooksDeleteData, WebhooksDeleteErrors, WebhooksDeleteResponses, WebhooksListData, WebhooksListErrors, WebhooksListResponses, WebhooksRenewSecretData, WebhooksRenewSecretErrors, WebhooksRenewSecretResponses, WebhooksTestData, WebhooksTestErrors, WebhooksTestResponses, WebhooksUpdateData, WebhooksUpdateErrors, WebhooksUpdateResponses } from './types.gen';
+import type { AccountEndSessionData, AccountEndSessionErrors, AccountEndSessionResponses, AccountGetData, AccountGetErrors, AccountGetResponses, AccountPasswordData, AccountPasswordErrors, AccountPasswordResponses, AccountSessionsData, AccountSessionsErrors, AccountSessionsResponses, AccountUpdateData, AccountUpdateErrors, AccountUpdateResponses, AdministrationGetData, AdministrationGetErrors, AdministrationGetResponses, AuditListData, AuditListErrors, AuditListResponses, ComparisonFiguresGetData, ComparisonFiguresGetErrors, ComparisonFiguresGetResponses, ComparisonFiguresTableData, ComparisonFiguresTableErrors, ComparisonFiguresTableResponses, ComparisonGetData, ComparisonGetErrors, ComparisonGetResponses, DetectionsGetData, DetectionsGetErrors, DetectionsGetResponses, DropletsGetData, DropletsGetErrors, DropletsGetResponses, ExperimentsCreateData, ExperimentsCreateErrors, ExperimentsCreateResponses, ExperimentsDeleteData, ExperimentsDeleteErrors, ExperimentsDeleteResponses, ExperimentsEventsData, ExperimentsEventsErrors, ExperimentsEventsResponses, ExperimentsGetData, ExperimentsGetErrors, ExperimentsGetResponses, ExperimentsListData, ExperimentsListErrors, ExperimentsListResponses, ExperimentsMoveData, ExperimentsMoveErrors, ExperimentsMoveResponses, ExperimentsUpdateData, ExperimentsUpdateErrors, ExperimentsUpdateResponses, ExportsGetData, ExportsGetErrors, ExportsGetResponses, ExportsListData, ExportsListErrors, ExportsListResponses, FiguresGetData, FiguresGetErrors, FiguresGetResponses, FiguresListData, FiguresListErrors, FiguresListResponses, FiguresTableData, FiguresTableErrors, FiguresTableResponses, FilesDownloadData, FilesDownloadErrors, FilesDownloadResponses, FilesListData, FilesListErrors, FilesListResponses, FilesUploadData, FilesUploadErrors, FilesUploadResponses, FlowGetData, FlowGetErrors, FlowGetResponses, FlowMapsGetData, FlowMapsGetErrors, FlowMapsGetResponses, FramesPictureData, FramesPictureErrors, FramesPictureResponses, GroupsCreateData, GroupsCreateErrors, GroupsCreateResponses, GroupsDeleteData, GroupsDeleteErrors, GroupsDeleteResponses, GroupsGetData, GroupsGetErrors, GroupsGetResponses, GroupsLimitData, GroupsLimitErrors, GroupsLimitResponses, GroupsListData, GroupsListErrors, GroupsListResponses, GroupsUpdateData, GroupsUpdateErrors, GroupsUpdateResponses, HealthGetData, HealthGetErrors, HealthGetResponses, ImportsCreateData, ImportsCreateErrors, ImportsCreateResponses, ImportsLookData, ImportsLookErrors, ImportsLookResponses, InvitationsAcceptData, InvitationsAcceptErrors, InvitationsAcceptResponses, InvitationsCreateData, InvitationsCreateErrors, InvitationsCreateResponses, InvitationsDeleteData, InvitationsDeleteErrors, InvitationsDeleteResponses, InvitationsListData, InvitationsListErrors, InvitationsListResponses, InvitationsLookData, InvitationsLookErrors, InvitationsLookResponses, LinkPreviewsCreateData, LinkPreviewsCreateErrors, LinkPreviewsCreateResponses, MaterialsGetData, MaterialsGetErrors, MaterialsGetPhaseDiagramData, MaterialsGetPhaseDiagramErrors, MaterialsGetPhaseDiagramResponses, MaterialsGetResponses, MaterialsGetViscosityData, MaterialsGetViscosityErrors, MaterialsGetViscosityResponses, MaterialsListData, MaterialsListErrors, MaterialsListResponses, MembersListData, MembersListErrors, MembersListResponses, MembersRemoveData, MembersRemoveErrors, MembersRemoveResponses, MembersSetData, MembersSetErrors, MembersSetResponses, NoticesListData, NoticesListErrors, NoticesListResponses, NoticesResendData, NoticesResendErrors, NoticesResendResponses, PeopleCreateData, PeopleCreateErrors, PeopleCreateResponses, PeopleLinkData, PeopleLinkErrors, PeopleLinkResponses, PeopleListData, PeopleListErrors, PeopleListResponses, PeopleUpdateData, PeopleUpdateErrors, PeopleUpdateResponses, PresetsCreateData, PresetsCreateErrors, PresetsCreateResponses, PresetsDeleteData, PresetsDeleteErrors, PresetsDeleteResponses, PresetsListData, PresetsListErrors, PresetsListResponses, PresetsUpdateData, PresetsUpdateErrors, PresetsUpdateResponses, PreviewsCreateData, PreviewsCreateErrors, PreviewsCreateResponses, QualityGetData, QualityGetErrors, QualityGetResponses, RampsDownloadData, RampsDownloadErrors, RampsDownloadResponses, RampsGetData, RampsGetErrors, RampsGetResponses, ReportGetData, ReportGetErrors, ReportGetResponses, ResultFilesDownloadData, ResultFilesDownloadErrors, ResultFilesDownloadResponses, ResultFilesListData, ResultFilesListErrors, ResultFilesListResponses, RunsCancelData, RunsCancelErrors, RunsCancelResponses, RunsCreateData, RunsCreateErrors, RunsCreateResponses, RunsDeleteData, RunsDeleteErrors, RunsDeleteResponses, RunsEventsData, RunsEventsErrors, RunsEventsResponses, RunsGetData, RunsGetErrors, RunsGetResponses, RunsGetReuseData, RunsGetReuseErrors, RunsGetReuseResponses, RunsListAllData, RunsListAllErrors, RunsListAllResponses, RunsListData, RunsListErrors, RunsListResponses, RunsRetryData, RunsRetryErrors, RunsRetryResponses, SchemasGetExperimentData, SchemasGetExperimentErrors, SchemasGetExperimentResponses, SchemasGetParametersData, SchemasGetParametersErrors, SchemasGetParametersResponses, SessionCreateData, SessionCreateErrors, SessionCreateResponses, SessionDeleteData, SessionDeleteErrors, SessionDeleteResponses, SessionGetData, SessionGetErrors, SessionGetResponses, SessionOidcCallbackData, SessionOidcCallbackErrors, SessionOidcCallbackResponses, SessionOidcData, SessionOidcErrors, SessionOidcResponses, SharesCreateData, SharesCreateErrors, SharesCreateResponses, SharesDeleteData, SharesDeleteErrors, SharesDeleteResponses, SharesListData, SharesListErrors, SharesListResponses, StackCompleteData, StackCompleteErrors, StackCompleteResponses, StackDeleteData, StackDeleteErrors, StackDeleteResponses, SuggestionsCreateData, SuggestionsCreateErrors, SuggestionsCreateResponses, TailsGetData, TailsGetErrors, TailsGetResponses, TokensCreateData, TokensCreateErrors, TokensCreateResponses, TokensListData, TokensListErrors, TokensListResponses, TokensRevokeData, TokensRevokeErrors, TokensRevokeResponses, TrajectoriesGetData, TrajectoriesGetErrors, TrajectoriesGetResponses, UploadsCreateData, UploadsCreateErrors, UploadsCreateResponses, UploadsGetData, UploadsGetErrors, UploadsGetResponses, UploadsListData, UploadsListErrors, UploadsListResponses, UploadsOffsetData, UploadsOffsetErrors, UploadsOffsetResponses, UploadsPlanData, UploadsPlanErrors, UploadsPlanResponses, UploadsSendData, UploadsSendErrors, UploadsSendResponses, UploadsTerminateData, UploadsTerminateErrors, UploadsTerminateResponses, WebhooksCreateData, WebhooksCreateErrors, WebhooksCreateResponses, WebhooksDeleteData, WebhooksDeleteErrors, WebhooksDeleteResponses, WebhooksListData, WebhooksListErrors, WebhooksListResponses, WebhooksRenewSecretData, WebhooksRenewSecretErrors, WebhooksRenewSecretResponses, WebhooksTestData, WebhooksTestErrors, WebhooksTestResponses, WebhooksUpdateData, WebhooksUpdateErrors, WebhooksUpdateResponses } from './types.gen';
 
 export type Options<TData extends TDataShape = TDataShape, ThrowOnError extends boolean = boolean, TResponse = unknown> = Options2<TData, ThrowOnError, TResponse> & {
     /**
@@ -831,6 +831,74 @@ export const membersSet = <ThrowOnError extends boolean = true>(options: Options
 });
 
 /**
+ * Presets List
+ *
+ * List the parameters that a group keeps under a name.
+ */
+export const presetsList = <ThrowOnError extends boolean = true>(options: Options<PresetsListData, ThrowOnError>) => (options.client ?? client).get<PresetsListResponses, PresetsListErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/groups/{group_id}/presets',
+    ...options
+});
+
+/**
+ * Presets Create
+ *
+ * Keep parameters under a name, for everybody in the group.
+ */
+export const presetsCreate = <ThrowOnError extends boolean = true>(options: Options<PresetsCreateData, ThrowOnError>) => (options.client ?? client).post<PresetsCreateResponses, PresetsCreateErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/groups/{group_id}/presets',
+    ...options,
+    headers: {
+        'Content-Type': 'application/json',
+        ...options.headers
+    }
+});
+
+/**
+ * Presets Delete
+ *
+ * Forget a preset. Runs that began with it keep their parameters.
+ */
+export const presetsDelete = <ThrowOnError extends boolean = true>(options: Options<PresetsDeleteData, ThrowOnError>) => (options.client ?? client).delete<PresetsDeleteResponses, PresetsDeleteErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/groups/{group_id}/presets/{preset_id}',
+    ...options
+});
+
+/**
+ * Presets Update
+ *
+ * Give a preset another name or other parameters. Runs that began with it keep theirs.
+ */
+export const presetsUpdate = <ThrowOnError extends boolean = true>(options: Options<PresetsUpdateData, ThrowOnError>) => (options.client ?? client).put<PresetsUpdateResponses, PresetsUpdateErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/groups/{group_id}/presets/{preset_id}',
+    ...options,
+    headers: {
+        'Content-Type': 'application/json',
+        ...options.headers
+    }
+});
+
+/**
  * Webhooks List
  *
  * List the addresses that are told what happens in a group.
@@ -1343,6 +1411,21 @@ export const flowMapsGet = <ThrowOnError extends boolean = true>(options: Option
             type: 'apiKey'
         }, { scheme: 'bearer', type: 'http' }],
     url: '/api/v1/runs/{run_id}/flow_map',
+    ...options
+});
+
+/**
+ * Detections Get
+ *
+ * Look once more at a frame as the run did: what was found, and what was not taken for a droplet and why.
+ */
+export const detectionsGet = <ThrowOnError extends boolean = true>(options: Options<DetectionsGetData, ThrowOnError>) => (options.client ?? client).get<DetectionsGetResponses, DetectionsGetErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/runs/{run_id}/frames/{frame}/detection',
     ...options
 });
 

@@ -1523,6 +1523,24 @@ export type NewPlan = {
 };
 
 /**
+ * NewPreset
+ *
+ * Parameters to keep under a name; what is not said has its default.
+ */
+export type NewPreset = {
+    /**
+     * Name
+     */
+    name: string;
+    /**
+     * Parameters
+     */
+    parameters: {
+        [key: string]: unknown;
+    };
+};
+
+/**
  * NewRun
  *
  * What a new run needs.
@@ -1873,6 +1891,52 @@ export type Present = {
      * Sha256
      */
     sha256: string;
+};
+
+/**
+ * Preset
+ *
+ * Parameters that a group keeps.
+ */
+export type Preset = {
+    /**
+     * Group Id
+     */
+    group_id: string;
+    /**
+     * Id
+     */
+    id: string;
+    /**
+     * Name
+     */
+    name: string;
+    /**
+     * Parameters
+     */
+    parameters: {
+        [key: string]: unknown;
+    };
+    /**
+     * Saved By
+     */
+    saved_by: string | null;
+    /**
+     * Updated At
+     */
+    updated_at: string;
+};
+
+/**
+ * Presets
+ *
+ * All presets of a group, by name.
+ */
+export type Presets = {
+    /**
+     * Items
+     */
+    items: Array<Preset>;
 };
 
 /**
@@ -6331,6 +6395,262 @@ export type MembersSetResponses = {
 
 export type MembersSetResponse = MembersSetResponses[keyof MembersSetResponses];
 
+export type PresetsListData = {
+    body?: never;
+    path: {
+        /**
+         * Group Id
+         */
+        group_id: string;
+    };
+    query?: never;
+    url: '/api/v1/groups/{group_id}/presets';
+};
+
+export type PresetsListErrors = {
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type PresetsListError = PresetsListErrors[keyof PresetsListErrors];
+
+export type PresetsListResponses = {
+    /**
+     * Successful Response
+     */
+    200: Presets;
+};
+
+export type PresetsListResponse = PresetsListResponses[keyof PresetsListResponses];
+
+export type PresetsCreateData = {
+    body: NewPreset;
+    path: {
+        /**
+         * Group Id
+         */
+        group_id: string;
+    };
+    query?: never;
+    url: '/api/v1/groups/{group_id}/presets';
+};
+
+export type PresetsCreateErrors = {
+    /**
+     * Bad Request
+     */
+    400: Problem;
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Conflict
+     */
+    409: Problem;
+    /**
+     * Request Entity Too Large
+     */
+    413: Problem;
+    /**
+     * Unsupported Media Type
+     */
+    415: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type PresetsCreateError = PresetsCreateErrors[keyof PresetsCreateErrors];
+
+export type PresetsCreateResponses = {
+    /**
+     * Successful Response
+     */
+    201: Preset;
+};
+
+export type PresetsCreateResponse = PresetsCreateResponses[keyof PresetsCreateResponses];
+
+export type PresetsDeleteData = {
+    body?: never;
+    path: {
+        /**
+         * Group Id
+         */
+        group_id: string;
+        /**
+         * Preset Id
+         */
+        preset_id: string;
+    };
+    query?: never;
+    url: '/api/v1/groups/{group_id}/presets/{preset_id}';
+};
+
+export type PresetsDeleteErrors = {
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type PresetsDeleteError = PresetsDeleteErrors[keyof PresetsDeleteErrors];
+
+export type PresetsDeleteResponses = {
+    /**
+     * Successful Response
+     */
+    204: void;
+};
+
+export type PresetsDeleteResponse = PresetsDeleteResponses[keyof PresetsDeleteResponses];
+
+export type PresetsUpdateData = {
+    body: NewPreset;
+    path: {
+        /**
+         * Group Id
+         */
+        group_id: string;
+        /**
+         * Preset Id
+         */
+        preset_id: string;
+    };
+    query?: never;
+    url: '/api/v1/groups/{group_id}/presets/{preset_id}';
+};
+
+export type PresetsUpdateErrors = {
+    /**
+     * Bad Request
+     */
+    400: Problem;
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Conflict
+     */
+    409: Problem;
+    /**
+     * Request Entity Too Large
+     */
+    413: Problem;
+    /**
+     * Unsupported Media Type
+     */
+    415: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type PresetsUpdateError = PresetsUpdateErrors[keyof PresetsUpdateErrors];
+
+export type PresetsUpdateResponses = {
+    /**
+     * Successful Response
+     */
+    200: Preset;
+};
+
+export type PresetsUpdateResponse = PresetsUpdateResponses[keyof PresetsUpdateResponses];
+
 export type WebhooksListData = {
     body?: never;
     path: {
@@ -8456,6 +8776,79 @@ export type FlowMapsGetResponses = {
 };
 
 export type FlowMapsGetResponse = FlowMapsGetResponses[keyof FlowMapsGetResponses];
+
+export type DetectionsGetData = {
+    body?: never;
+    path: {
+        /**
+         * Run Id
+         */
+        run_id: string;
+        /**
+         * Frame
+         */
+        frame: number;
+    };
+    query?: {
+        /**
+         * Is Picture Wanted
+         *
+         * Also answer the frame as detection sees it.
+         */
+        is_picture_wanted?: boolean;
+    };
+    url: '/api/v1/runs/{run_id}/frames/{frame}/detection';
+};
+
+export type DetectionsGetErrors = {
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Conflict
+     */
+    409: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * Service Unavailable
+     */
+    503: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type DetectionsGetError = DetectionsGetErrors[keyof DetectionsGetErrors];
+
+export type DetectionsGetResponses = {
+    /**
+     * Successful Response
+     */
+    200: Preview;
+};
+
+export type DetectionsGetResponse = DetectionsGetResponses[keyof DetectionsGetResponses];
 
 export type DropletsGetData = {
     body?: never;

@@ -1,7 +1,7 @@
 import { Text, VisuallyHidden } from "@mantine/core";
 import { formatNumber } from "../platform/format";
 import { Prose } from "../platform/Prose";
-import type { Field } from "./schema";
+import type { Field, Range } from "./schema";
 
 /** The label; its unit stands at the end of the input, and in the label only for those who hear it. */
 export function Label({ field }: { field: Field }) {
@@ -13,10 +13,11 @@ export function Label({ field }: { field: Field }) {
   );
 }
 
-/** What a field means, and what the paper takes for it. */
+/** What a field means, what the paper takes for it, and what it may be. */
 export function Help({ field }: { field: Field }) {
-  const { paper } = field;
-  if (!field.help && !paper) return null;
+  const { paper, input } = field;
+  const range = input.kind === "number" ? rangeInWords(input.range) : "";
+  if (!field.help && !paper && !range) return null;
   return (
     <>
       {field.help && <Prose text={field.help} />}
@@ -30,6 +31,23 @@ export function Help({ field }: { field: Field }) {
           </Text>
         </>
       )}
+      {range && ` ${range}.`}
     </>
   );
+}
+
+/** `0.5 to 500`, `More than 0`: the bounds of a number, as far as it has any. */
+export function rangeInWords(range: Range): string {
+  const low = range.minimum ?? range.exclusiveMinimum;
+  const high = range.maximum ?? range.exclusiveMaximum;
+  const from = range.minimum === undefined ? "more than" : "at least";
+  const to = range.maximum === undefined ? "less than" : "at most";
+  if (low !== undefined && high !== undefined) {
+    const isOpen = range.minimum === undefined || range.maximum === undefined;
+    return isOpen
+      ? `Range: ${from} ${formatNumber(low)}, ${to} ${formatNumber(high)}`
+      : `Range: ${formatNumber(low)} to ${formatNumber(high)}`;
+  }
+  if (low !== undefined) return `Range: ${from} ${formatNumber(low)}`;
+  return high === undefined ? "" : `Range: ${to} ${formatNumber(high)}`;
 }

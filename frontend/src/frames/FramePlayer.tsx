@@ -9,7 +9,7 @@ import { type KeyboardEvent, type ReactNode, useCallback, useEffect, useRef, use
 import { formatCount } from "../platform/format";
 import { ProblemAlert } from "../platform/ProblemAlert";
 import { toProblem } from "../platform/problem";
-import { type Scene, saveFile, sceneAsPng, sceneAsSvg } from "./drawing";
+import { type Scene, type Scenery, saveFile, sceneAsPng, sceneAsSvg } from "./drawing";
 import { FilmDialog } from "./FilmDialog";
 import { FrameCanvas } from "./FrameCanvas";
 import { keyAction } from "./keys";
@@ -27,8 +27,8 @@ type FramePlayerProps = {
   frame: number;
   onFrame: (frame: number) => void;
   paint?: Painter;
-  /** What is drawn over any frame: films need it. */
-  painterOf?: (frame: number) => Promise<Painter>;
+  /** What is drawn over any frame, and in its place: films need it. */
+  sceneryOf?: (frame: number) => Promise<Scenery>;
   /** What is seen, for those who do not see it. */
   label: string;
   /** Time of a frame, as shown. */
@@ -53,7 +53,7 @@ export function FramePlayer(props: FramePlayerProps) {
     frame,
     onFrame,
     paint,
-    painterOf,
+    sceneryOf,
     label,
     timeOf,
     onPick,
@@ -74,14 +74,17 @@ export function FramePlayer(props: FramePlayerProps) {
     const factor = how === "closer" ? ZOOM_STEP : 1 / ZOOM_STEP;
     onView(how === "whole" ? wholeFrame(source) : bounded({ ...view, zoom: view.zoom * factor }, source));
   };
-  const scene = (which: number, painter = paint): Scene => {
-    const stamp = timeOf?.(which);
-    return { source, frame: which, view, tone, paint: painter, stamp, picture: props.picture };
+  const scene = (which: number, scenery: Scenery): Scene => {
+    return { source, frame: which, view, tone, stamp: timeOf?.(which), ...scenery };
   };
+  // A film without it would have what is drawn over this frame over all others.
+  const isFilmable = last > 0 && (sceneryOf !== undefined || (!paint && !props.picture));
   const save = async (kind: "png" | "svg") => {
     setSaving({ isBusy: true });
     try {
-      const blob = await (kind === "png" ? sceneAsPng : sceneAsSvg)(scene(frame));
+      const blob = await (kind === "png" ? sceneAsPng : sceneAsSvg)(
+        scene(frame, { paint, picture: props.picture }),
+      );
       saveFile(blob, `${fileName}-${frame}.${kind}`);
       setSaving({ isBusy: false });
     } catch (error) {
@@ -109,7 +112,7 @@ export function FramePlayer(props: FramePlayerProps) {
             tone={tone}
             onTone={setTone}
             onSave={save}
-            onFilm={last > 0 ? () => setFilming(true) : undefined}
+            onFilm={isFilmable ? () => setFilming(true) : undefined}
             isSaving={saving.isBusy}
           />
         </Group>
@@ -146,7 +149,7 @@ export function FramePlayer(props: FramePlayerProps) {
           onClose={() => setFilming(false)}
           frame={frame}
           last={last}
-          sceneOf={async (which) => scene(which, painterOf ? await painterOf(which) : undefined)}
+          sceneOf={async (which) => scene(which, sceneryOf ? await sceneryOf(which) : {})}
           fileName={fileName}
         />
       )}

@@ -5,16 +5,16 @@ import { type Tone, toned } from "./tone";
 import { mappingOf, type View } from "./viewport";
 
 /** All that is seen of one frame, to be drawn anew as a file. */
-export type Scene = {
+export type Scene = Scenery & {
   source: FrameSource;
   frame: number;
   view: View;
   tone: Tone;
-  paint?: Painter;
   stamp?: string;
-  /** In place of the frame as it came. */
-  picture?: ImageBitmap;
 };
+
+/** What is drawn over a frame, and perhaps in place of the frame as it came. */
+export type Scenery = { paint?: Painter; picture?: ImageBitmap };
 
 const WIDTH_MIN = 1200;
 const WIDTH_MAX = 4096;

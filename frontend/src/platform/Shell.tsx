@@ -95,6 +95,7 @@ const PLACES = [
     name: "Experiments",
     isHere: (path: string) => path === "/" || /^\/(experiments|runs)\b/.test(path),
   },
+  { to: "/compare", name: "Compare", isHere: (path: string) => path.startsWith("/compare") },
   { to: "/planning", name: "Planning", isHere: (path: string) => path.startsWith("/planning") },
 ] as const;
 

@@ -1,7 +1,7 @@
-import { Alert, Group, Loader, SegmentedControl, Stack, Switch, Table, Text } from "@mantine/core";
+import { Alert, Group, Loader, SegmentedControl, Stack, Switch, Text } from "@mantine/core";
 import { useDebouncedValue } from "@mantine/hooks";
 import { keepPreviousData, useQuery } from "@tanstack/react-query";
-import { useEffect, useMemo, useRef, useState } from "react";
+import { useMemo, useState } from "react";
 import type { Experiment, FrameDroplets, LinkPreview, Preview } from "../client";
 import type { Document } from "../forms/document";
 import { FramePlayer } from "../frames/FramePlayer";
@@ -11,9 +11,11 @@ import { formatCount, formatNumber, plural } from "../platform/format";
 import { Panel } from "../platform/Panel";
 import { ProblemAlert } from "../platform/ProblemAlert";
 import { toProblem } from "../platform/problem";
-import { dropletAt, overlayPainter } from "../results/overlay";
+import { overlayPainter } from "../results/overlay";
 import { linkPreviewQuery, previewQuery } from "./queries";
+import { Reasons, whatIsAt } from "./Rejected";
 import { firstRegion, patched } from "./region";
+import { usePicture } from "./usePicture";
 
 const PAUSE_MS = 200;
 
@@ -151,49 +153,6 @@ function asDroplets(found: Pick<Preview, "x_px" | "y_px" | "r_px" | "match">, fr
   return { frame, x_px, y_px, r_px, match: found.match.map((match) => match ?? 0) } as FrameDroplets;
 }
 
-const REASONS: Record<string, string> = {
-  unlikely: "hardly looks like a droplet",
-  match: "the disk does not fit the image well enough (minimum match)",
-  duplicate: "a better circle is there already",
-  radius: "its radius is not looked for",
-};
-
-function whatIsAt(
-  found: Pick<Preview, "x_px" | "y_px" | "r_px" | "match" | "rejected">,
-  point: Parameters<typeof dropletAt>[1],
-  hasRejected: boolean,
-): string {
-  const droplet = dropletAt(found, point);
-  if (droplet !== null) {
-    return `Droplet, radius ${formatNumber(found.r_px[droplet])} px, match ${formatNumber(found.match[droplet])}`;
-  }
-  const candidate = hasRejected ? dropletAt(found.rejected, point) : null;
-  if (candidate === null) return "Nothing was found there.";
-  const reason = found.rejected.reason[candidate] ?? "";
-  return `Rejected: ${REASONS[reason] ?? reason} (radius ${formatNumber(found.rejected.r_px[candidate])} px)`;
-}
-
-function Reasons({ reasons }: { reasons: string[] }) {
-  const counts = new Map<string, number>();
-  for (const reason of reasons) counts.set(reason, (counts.get(reason) ?? 0) + 1);
-  if (counts.size === 0) return null;
-  return (
-    <Table fz="xs" verticalSpacing={2} aria-label="Rejected candidates by reason">
-      <Table.Tbody>
-        {[...counts].map(([reason, n]) => (
-          <Table.Tr key={reason}>
-            <Table.Th scope="row" fw={500} w={110}>
-              {reason}
-            </Table.Th>
-            <Table.Td>{REASONS[reason] ?? ""}</Table.Td>
-            <Table.Td ta="right">{formatCount(n)}</Table.Td>
-          </Table.Tr>
-        ))}
-      </Table.Tbody>
-    </Table>
-  );
-}
-
 function LinkLook({ experiment, source, frame, setFrame, parameters, isValid }: LookProps) {
   const last = source.n_frames - 2;
   const here = Math.min(frame, last);
@@ -252,19 +211,4 @@ export function describeLinks(links: LinkPreview): string {
   const off =
     middle === undefined ? "" : `, typically ${formatNumber(middle, 2)} px from where they were predicted`;
   return `${formatCount(n_found)} of ${plural(links.x_px.length, "droplet")} on trajectories found again in the next frame${off}; ${plural(links.n_frames, "frame")} followed in ${formatNumber(links.took_s, 2)} s.`;
-}
-
-/** A JPEG in base64 as a picture. */
-function usePicture(jpeg: string | null | undefined): ImageBitmap | null {
-  const [picture, setPicture] = useState<ImageBitmap | null>(null);
-  const wanted = useRef<string | null>(null);
-  useEffect(() => {
-    wanted.current = jpeg ?? null;
-    if (!jpeg) return setPicture(null);
-    const bytes = Uint8Array.from(atob(jpeg), (character) => character.charCodeAt(0));
-    void createImageBitmap(new Blob([bytes], { type: "image/jpeg" })).then((made) => {
-      if (wanted.current === jpeg) setPicture(made);
-    });
-  }, [jpeg]);
-  return picture;
 }

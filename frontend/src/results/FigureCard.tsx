@@ -20,10 +20,10 @@ type FigureCardProps = {
   /** What is asked of it besides the shared ranges. */
   more?: Asked;
   height?: number;
-};
+} & Pick<Parameters<typeof Plot>[0], "aligned_s" | "marks" | "onMoment">;
 
 /** One figure of the paper: how it is computed, drawn for the ranges that are looked at, its table to download. */
-export function FigureCard({ run, entry, ranges, onRanges, more, height = 420 }: FigureCardProps) {
+export function FigureCard({ run, entry, ranges, onRanges, more, height = 420, ...plot }: FigureCardProps) {
   const asked = { ...askedOf(entry, ranges), ...more };
   const query = useQuery(figureQuery(run, entry.name, asked));
   return (
@@ -62,6 +62,7 @@ export function FigureCard({ run, entry, ranges, onRanges, more, height = 420 }:
                 height={height}
                 ranges={ranges}
                 onRanges={onRanges}
+                {...plot}
               />
             ) : (
               <NotYet run={run} />

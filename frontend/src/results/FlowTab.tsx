@@ -75,9 +75,10 @@ function FlowField({ run, experiment }: { run: Run; experiment: Experiment }) {
       void cache.prefetchQuery(flowMapQuery(run, { frame: near }));
   }, [isMean, frame, n_steps, run, cache]);
   const { paint, scale, field } = useMemo(() => flowPainter(map, shown), [map, shown]);
-  const painterOf = useCallback(
-    async (which: number) =>
-      flowPainter(await cache.fetchQuery(flowMapQuery(run, { frame: which })), shown).paint,
+  const sceneryOf = useCallback(
+    async (which: number) => ({
+      paint: flowPainter(await cache.fetchQuery(flowMapQuery(run, { frame: which })), shown).paint,
+    }),
     [cache, run, shown],
   );
   if (!source) return <NotYet run={run} />;
@@ -98,7 +99,7 @@ function FlowField({ run, experiment }: { run: Run; experiment: Experiment }) {
           onFrame={(to) => change({ frame: to })}
           isStill={isMean}
           paint={paint}
-          painterOf={isMean ? undefined : painterOf}
+          sceneryOf={isMean ? undefined : sceneryOf}
           label={`Flow field. ${map ? describe(map, isMean) : ""}`}
           timeOf={(which) => (isMean ? undefined : timeOfFrame(experiment, which))}
           view={viewFromText(search.view)}

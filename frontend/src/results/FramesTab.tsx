@@ -1,24 +1,22 @@
-import { Box, Group, SegmentedControl, Stack, Text } from "@mantine/core";
-import { keepPreviousData, useQuery, useQueryClient } from "@tanstack/react-query";
-import { useCallback, useEffect, useMemo } from "react";
-import type { Experiment, FrameDroplets, Run } from "../client";
+import { Box, Group, Loader, SegmentedControl, Stack, Switch, Text } from "@mantine/core";
+import { useCallback, useMemo, useState } from "react";
+import type { Experiment, FrameDroplets, Preview, Run } from "../client";
 import { FramePlayer } from "../frames/FramePlayer";
-import type { Painter } from "../frames/pen";
-import { neighbours } from "../frames/pictures";
 import { frameSource, timeOfFrame } from "../frames/source";
 import { viewFromText, viewToText } from "../frames/viewport";
 import { formatNumber, plural } from "../platform/format";
 import { Panel } from "../platform/Panel";
 import { ProblemAlert } from "../platform/ProblemAlert";
 import { toProblem } from "../platform/problem";
-import { type ArrowField, arrowsOf } from "./arrows";
+import { Reasons, whatIsAt } from "../previews/Rejected";
+import type { ArrowField } from "./arrows";
 import { availability } from "./availability";
 import { colourSteps, scaleOf } from "./colours";
 import { DropletPanel } from "./DropletPanel";
+import { useFrameResults, useSceneryOf, useSecondLook } from "./frameResults";
 import { LayerSwitches } from "./LayerSwitches";
 import { NotYet } from "./NotYet";
 import { dropletAt, type OverlayData, overlayPainter } from "./overlay";
-import { dropletsQuery, flowQuery, tailsQuery } from "./queries";
 import { type Colouring, LAYERS, type Layer, USUAL_LAYERS, useView } from "./view";
 
 /** Frame by frame: the droplets, where they come from and go to, and the flow. */
@@ -37,8 +35,15 @@ export function FramesTab({ run, experiment }: { run: Run; experiment: Experimen
     [droplet, colouring, layers],
   );
   const { tails } = found;
-  const paint = useMemo(() => dress({ droplets, field, tails }), [dress, droplets, field, tails]);
-  const painterOf = usePainterOf(run, layers, dress);
+  const [hasRejected, isPrepared] = [layers.includes("rejected"), search.prepared === true];
+  const look = useSecondLook(run, shown, hasRejected, isPrepared);
+  const { rejected } = look;
+  const [picked, setPicked] = useState<{ frame: number; what: string } | null>(null);
+  const paint = useMemo(
+    () => dress({ droplets, field, tails, rejected }),
+    [dress, droplets, field, tails, rejected],
+  );
+  const sceneryOf = useSceneryOf(run, layers, isPrepared, dress);
   if (!source) return <NotYet run={run} />;
 
   const toggle = (layer: Layer) => {
@@ -47,6 +52,8 @@ export function FramesTab({ run, experiment }: { run: Run; experiment: Experimen
   };
   const pick = (point: Parameters<typeof dropletAt>[1]) => {
     const index = droplets ? dropletAt(droplets, point) : null;
+    const isRejected = index === null && rejected !== null && look.found !== null;
+    setPicked(isRejected ? { frame: shown, what: whatIsAt(look.found as Preview, point, true) } : null);
     change({ droplet: index === null ? undefined : droplets?.trajectory_id?.[index] });
   };
 
@@ -64,24 +71,49 @@ export function FramesTab({ run, experiment }: { run: Run; experiment: Experimen
             frame={shown}
             onFrame={(to) => change({ frame: to })}
             paint={paint}
-            painterOf={painterOf}
+            sceneryOf={sceneryOf}
+            picture={look.picture}
             label={`Frame ${shown} with droplets and flow. ${describe(droplets, shown)}`}
             timeOf={(which) => timeOfFrame(experiment, which)}
             view={viewFromText(view)}
             onView={(next) => change({ view: viewToText(next) })}
-            onPick={isTracked ? pick : undefined}
+            onPick={isTracked || hasRejected ? pick : undefined}
             fileName={`${String(experiment.experiment.name)}-run-${run.number}`}
             beside={
-              <ColourSwitch
-                colour={colour}
-                colouring={colouring}
-                onChange={(next) => change({ colour: next })}
-              />
+              <Group gap="sm">
+                <ColourSwitch
+                  colour={colour}
+                  colouring={colouring}
+                  onChange={(next) => change({ colour: next })}
+                />
+                <Switch
+                  size="xs"
+                  label="As detection sees it"
+                  checked={isPrepared}
+                  onChange={(event) => change({ prepared: event.currentTarget.checked || undefined })}
+                />
+                {look.isFetching && (
+                  <Loader size="xs" role="img" aria-label="Looking at the frame once more" />
+                )}
+              </Group>
             }
           />
         </Box>
         <Stack gap="sm">
-          <LayerSwitches shown={layers} offered={isTracked ? TRACKED_LAYERS : ["now"]} onToggle={toggle} />
+          <LayerSwitches
+            shown={layers}
+            offered={isTracked ? TRACKED_LAYERS : DETECTED_LAYERS}
+            onToggle={toggle}
+          />
+          {look.error && (
+            <ProblemAlert problem={toProblem(look.error)} title="No second look at this frame" />
+          )}
+          {rejected && <Reasons reasons={rejected.reason} />}
+          {picked?.frame === shown && (
+            <Text fz="sm" role="status">
+              {picked.what}
+            </Text>
+          )}
           {droplet === undefined ? (
             <HowTo />
           ) : (
@@ -100,8 +132,8 @@ export function FramesTab({ run, experiment }: { run: Run; experiment: Experimen
   );
 }
 
-const TRACKED_LAYERS: Layer[] = ["now", "predicted", "next", "steps", "tails", "flow", "interpolated"];
-const N_TAIL_FRAMES = 15;
+const TRACKED_LAYERS: Layer[] = [...LAYERS];
+const DETECTED_LAYERS: Layer[] = ["now", "rejected"];
 
 function HowTo() {
   return (
@@ -117,54 +149,6 @@ function HowTo() {
         bar plays; + − 0 zoom.
       </p>
     </Text>
-  );
-}
-
-/** What a run knows of one frame; the droplets of detection stand in until tracking is through. */
-function useFrameResults(run: Run, frame: number, n_frames: number, layers: readonly Layer[]) {
-  const cache = useQueryClient();
-  const isTracked = availability(run, "track") === "whole";
-  const which = isTracked ? "tracked" : "detected";
-  const hasTails = isTracked && layers.includes("tails");
-  const droplets = useQuery({ ...dropletsQuery(run, frame, which), placeholderData: keepPreviousData });
-  const flow = useQuery({ ...flowQuery(run, frame), placeholderData: keepPreviousData });
-  const tails = useQuery({
-    ...tailsQuery(run, frame, N_TAIL_FRAMES),
-    enabled: hasTails,
-    placeholderData: keepPreviousData,
-  });
-  useEffect(() => {
-    if (!isTracked) return;
-    for (const near of neighbours(frame, n_frames)) {
-      void cache.prefetchQuery(dropletsQuery(run, near, "tracked"));
-      void cache.prefetchQuery(flowQuery(run, near));
-      if (hasTails) void cache.prefetchQuery(tailsQuery(run, near, N_TAIL_FRAMES));
-    }
-  }, [run, frame, n_frames, isTracked, hasTails, cache]);
-  const field = useMemo(() => (flow.data ? arrowsOf(flow.data) : null), [flow.data]);
-  return {
-    droplets: droplets.data ?? null,
-    field,
-    tails: hasTails ? (tails.data ?? null) : null,
-    error: droplets.error ?? flow.error ?? tails.error,
-    isThere: !droplets.isPending,
-  };
-}
-
-/** What is drawn over any frame, for films. */
-function usePainterOf(run: Run, layers: readonly Layer[], dress: (data: OverlayData) => Painter) {
-  const cache = useQueryClient();
-  return useCallback(
-    async (frame: number) => {
-      const isTracked = availability(run, "track") === "whole";
-      const [droplets, flow, tails] = await Promise.all([
-        cache.fetchQuery(dropletsQuery(run, frame, isTracked ? "tracked" : "detected")),
-        cache.fetchQuery(flowQuery(run, frame)),
-        layers.includes("tails") ? cache.fetchQuery(tailsQuery(run, frame, N_TAIL_FRAMES)) : null,
-      ]);
-      return dress({ droplets, field: flow && arrowsOf(flow), tails });
-    },
-    [cache, run, layers, dress],
   );
 }
 

@@ -9,6 +9,9 @@ import {
   type Figure,
   fitted,
   type Layout,
+  type Mark,
+  momentAt,
+  type Range,
   type RangeChange,
   type Ranges,
   rangesFromRelayout,
@@ -23,33 +26,47 @@ type PlotProps = {
   height?: number;
   ranges?: Ranges;
   onRanges?: (changed: RangeChange) => void;
+  aligned_s?: Range;
+  marks?: readonly Mark[];
+  /** A click at a moment, in seconds. */
+  onMoment?: (time_s: number) => void;
 };
 
 /** A figure of the API, drawn by Plotly, which comes with the first of them. */
-export function Plot({ figure, label, height = 420, ranges, onRanges }: PlotProps) {
+export function Plot({ figure, label, height = 420, ranges, onRanges, ...more }: PlotProps) {
+  const { aligned_s, marks, onMoment } = more;
   const isDark = useComputedColorScheme("light") === "dark";
   const { ref: box, width } = useElementSize();
   const target = useRef<HTMLDivElement>(null);
   const { plotly, error } = usePlotly();
-  const told = useRef(onRanges);
+  const told = useRef({ onRanges, onMoment });
   const drawn = useRef<Layout>({});
   useEffect(() => {
-    told.current = onRanges;
-  }, [onRanges]);
+    told.current = { onRanges, onMoment };
+  }, [onRanges, onMoment]);
 
   useEffect(() => {
     if (!plotly || !target.current || width === 0) return;
-    const { data, layout } = fitted(figure, { isDark, height, width, ranges });
+    const { data, layout } = fitted(figure, { isDark, height, width, ranges, aligned_s, marks });
     drawn.current = layout;
     void plotly.react(target.current, data as never, { ...layout, width } as never, configFor(label));
-  }, [plotly, figure, isDark, height, width, ranges, label]);
+  }, [plotly, figure, isDark, height, width, ranges, aligned_s, marks, label]);
 
   useEffect(() => {
     const element = target.current as PlotlyElement | null;
     if (!plotly || !element || width === 0) return;
-    const hear = (event: Record<string, unknown>) => told.current?.(rangesFromRelayout(event, drawn.current));
-    element.on?.("plotly_relayout", hear);
-    return () => element.removeListener?.("plotly_relayout", hear);
+    const hearZoom = (event: Record<string, unknown>) =>
+      told.current.onRanges?.(rangesFromRelayout(event, drawn.current));
+    const hearClick = ({ points }: Record<string, unknown>) => {
+      const time_s = momentAt(points as Record<string, unknown>[], drawn.current);
+      if (time_s !== null) told.current.onMoment?.(time_s);
+    };
+    element.on?.("plotly_relayout", hearZoom);
+    element.on?.("plotly_click", hearClick);
+    return () => {
+      element.removeListener?.("plotly_relayout", hearZoom);
+      element.removeListener?.("plotly_click", hearClick);
+    };
   }, [plotly, width]);
 
   useEffect(() => {

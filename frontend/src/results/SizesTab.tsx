@@ -1,21 +1,31 @@
-import { Button, Stack, Text } from "@mantine/core";
+import { Button, Group, Stack, Text } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { type CSSProperties, useMemo } from "react";
 import type { Run } from "../client";
+import { formatNumber } from "../platform/format";
 import { Panel } from "../platform/Panel";
 import { Loading, QueryView } from "../platform/QueryView";
 import { FigureCard } from "./FigureCard";
-import { COLOUR_BAR_PX, type Figure, withCommonColours } from "./figure";
+import { COLOUR_BAR_PX, type Figure, type Mark, type Range, withCommonColours } from "./figure";
 import { NotYet } from "./NotYet";
+import { useTimeAxis } from "./oscillations";
 import { Plot } from "./Plot";
 import { catalogueQuery, figureQuery } from "./queries";
-import { useSharedRanges } from "./view";
+import { useSharedRanges, useView } from "./view";
 
 const HEIGHT = 440;
 
 /** The size distribution over time before and after tracking; a zoom in one is a zoom in both. */
 export function SizesTab({ run }: { run: Run }) {
   const { ranges, zoom, clear } = useSharedRanges();
+  const { search, change } = useView();
+  const { aligned_s, marks } = useTimeAxis(run, search.marks !== false);
+  const { at } = search;
+  const shownMarks = useMemo(
+    (): readonly Mark[] => (at === undefined ? marks : [...marks, { time_s: at, kind: "chosen" }]),
+    [marks, at],
+  );
+  const around = at === undefined ? undefined : aroundMoment(at, ranges.time_s ?? aligned_s);
   const finer = useMemo(() => ({ from_s: ranges.time_s?.[0], to_s: ranges.time_s?.[1] }), [ranges.time_s]);
   const before = useQuery(figureQuery(run, "size_distribution_before", finer));
   const after = useQuery(figureQuery(run, "size_distribution_after", finer));
@@ -29,12 +39,14 @@ export function SizesTab({ run }: { run: Run }) {
     height: HEIGHT,
     ranges,
     onRanges: zoom,
+    marks: shownMarks,
+    onMoment: (time_s: number) => change({ at: Number(time_s.toPrecision(5)) }),
   };
   return (
     <Stack gap="md">
       <Panel
         title="Droplet size distribution"
-        about="Droplets per radius over time, on a logarithmic scale. Tracking takes out what appears only once or does not move as droplets do."
+        about="Droplets per radius over time, on a logarithmic scale. Tracking takes out what appears only once or does not move as droplets do. Draw a rectangle to look closer; click a moment to see its distribution below."
         actions={
           (ranges.time_s || ranges.radius_um) && (
             <Button size="compact-sm" variant="default" onClick={clear}>
@@ -75,7 +87,33 @@ export function SizesTab({ run }: { run: Run }) {
           </div>
         </div>
       </Panel>
-      {slice && <FigureCard run={run} entry={slice} ranges={ranges} onRanges={zoom} height={360} />}
+      {around && (
+        <Group gap="sm">
+          <Text fz="sm">
+            Below: the distribution from {formatNumber(around[0])} to {formatNumber(around[1])} s, where the
+            blue line stands.
+          </Text>
+          <Button size="compact-sm" variant="default" onClick={() => change({ at: undefined })}>
+            Of all times that are shown
+          </Button>
+        </Group>
+      )}
+      {slice && (
+        <FigureCard
+          run={run}
+          entry={slice}
+          ranges={ranges}
+          onRanges={zoom}
+          more={around && { from_s: around[0], to_s: around[1] }}
+          height={360}
+        />
+      )}
     </Stack>
   );
+}
+
+/** A moment is a fiftieth of what is shown wide: enough droplets for a curve, little enough to be one moment. */
+function aroundMoment(at_s: number, shown_s: Range | undefined): Range {
+  const half_s = shown_s ? (shown_s[1] - shown_s[0]) / 100 : 1;
+  return [Number((at_s - half_s).toPrecision(6)), Number((at_s + half_s).toPrecision(6))];
 }

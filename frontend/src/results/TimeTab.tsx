@@ -1,33 +1,68 @@
-import { Stack } from "@mantine/core";
-import type { Run } from "../client";
-import { Panel } from "../platform/Panel";
-import { FigureView } from "./FigureView";
-import { useSharedRanges } from "./view";
+import { Button, Group, Stack, Switch, Text } from "@mantine/core";
+import { useQuery } from "@tanstack/react-query";
+import type { FigureName, Run } from "../client";
+import { Loading, QueryView } from "../platform/QueryView";
+import { FigureCard } from "./FigureCard";
+import { NotYet } from "./NotYet";
+import { useTimeAxis } from "./oscillations";
+import { catalogueQuery } from "./queries";
+import { useSharedRanges, useView } from "./view";
 
-/** Numbers over time: moments of the sizes, mean and rms of the flow. They share their time axis. */
+/** What goes under each other on one time axis, and how high each is. */
+const HEIGHTS: Partial<Record<FigureName, number>> = {
+  moments: 560,
+  flow_moments: 360,
+  oscillations: 260,
+  temperature: 240,
+  driving: 260,
+};
+
+/** Numbers over time under each other: sizes, flow, oscillations, and what drives them. */
 export function TimeTab({ run }: { run: Run }) {
-  const { ranges, zoom } = useSharedRanges();
-  const plot = { ranges, onRanges: zoom };
+  const { search, change } = useView();
+  const { ranges, zoom, clear } = useSharedRanges();
+  const catalogue = useQuery(catalogueQuery(run));
+  const { aligned_s, marks, n_marks } = useTimeAxis(run, search.marks !== false);
+  const plot = { ranges, onRanges: zoom, aligned_s, marks };
   return (
     <Stack gap="md">
-      <Panel title="Sizes over time" about="Bands are one standard deviation of counting.">
-        <FigureView
-          run={run}
-          name="moments"
-          label="Moments of the size distribution over time"
-          height={640}
-          {...plot}
+      <Group justify="space-between" mih={30}>
+        <Switch
+          size="sm"
+          label={n_marks === 0 ? "Mark oscillations (none stands out)" : "Mark oscillations"}
+          disabled={n_marks === 0}
+          checked={search.marks !== false}
+          onChange={(event) => change({ marks: event.currentTarget.checked ? undefined : false })}
         />
-      </Panel>
-      <Panel title="Flow over time" about="Only cells that were computed from droplets count.">
-        <FigureView
-          run={run}
-          name="flow_moments"
-          label="Mean and rms flow over time"
-          height={400}
-          {...plot}
-        />
-      </Panel>
+        {ranges.time_s || ranges.radius_um ? (
+          <Button size="compact-sm" variant="default" onClick={clear}>
+            Show everything
+          </Button>
+        ) : (
+          <Text fz="sm" c="dimmed">
+            Draw over a part of the time axis to look at it everywhere.
+          </Text>
+        )}
+      </Group>
+      <QueryView query={catalogue} loading={<Loading rows={1} height={420} />}>
+        {(entries) => {
+          const shown = entries.filter(
+            ({ name, reason }) => name in HEIGHTS && (!isMissing(reason) || name === "temperature"),
+          );
+          return shown.length === 0 ? (
+            <NotYet run={run} />
+          ) : (
+            shown.map((entry) => (
+              <FigureCard key={entry.name} run={run} entry={entry} height={HEIGHTS[entry.name]} {...plot} />
+            ))
+          );
+        }}
+      </QueryView>
     </Stack>
   );
+}
+
+/** The experiment lacks what this figure is made of: said once, for the temperature, and not again for the driving. */
+function isMissing(reason: string | null): boolean {
+  return /^The experiment/.test(reason ?? "");
 }

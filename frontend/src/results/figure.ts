@@ -17,7 +17,18 @@ export type Ranges = { time_s?: Range; radius_um?: Range };
 /** What a zoom by hand changed; `null` where it was taken back. */
 export type RangeChange = { time_s?: Range | null; radius_um?: Range | null };
 
-export type Look = { isDark: boolean; height: number; width: number; ranges?: Ranges };
+/** A moment that stands out on every axis of time. */
+export type Mark = { time_s: number; kind: "certain" | "uncertain" | "chosen" };
+
+export type Look = {
+  isDark: boolean;
+  height: number;
+  width: number;
+  ranges?: Ranges;
+  /** Where all plots of a page stand under each other: one time axis, as long as the film, at the same place. */
+  aligned_s?: Range;
+  marks?: readonly Mark[];
+};
 
 const INK = { light: "#1f2328", dark: "#d5dade" };
 const LINE = { light: "#8b949e", dark: "#6b747c" };
@@ -34,10 +45,13 @@ export function fitted({ data, layout }: Figure, look: Look): Figure {
     paper_bgcolor: "rgba(0,0,0,0)",
     plot_bgcolor: "rgba(0,0,0,0)",
     font: { family: "Inter Variable, sans-serif", size: 12, color: ink },
-    margin: { l: 62, r: isNarrow && !hasColourBar(data) ? 16 : marginRight(data, layout), t: 16, b: 48 },
+    margin: look.aligned_s
+      ? { l: 78, r: MARGIN_PX, t: 30, b: 48 }
+      : { l: 62, r: isNarrow && !hasColourBar(data) ? 16 : marginRight(data, layout), t: 16, b: 48 },
+    shapes: [...((layout.shapes as Json[] | undefined) ?? []), ...marksOf(layout, look)],
     legend: {
       ...(layout.legend as Json),
-      ...legendPlace(layout, isNarrow),
+      ...(look.aligned_s ? ABOVE : legendPlace(layout, isNarrow)),
       bgcolor: "rgba(0,0,0,0)",
       borderwidth: 0,
     },
@@ -73,11 +87,75 @@ function isAxis(name: string): boolean {
 function fittedAxis(axis: Json, look: Look): Json {
   const colour = look.isDark ? LINE.dark : LINE.light;
   const shared = sharedAxis(axis);
-  const range = shared && look.ranges?.[shared.kind]?.map((value) => value / shared.factor);
+  const wanted =
+    shared && (look.ranges?.[shared.kind] ?? (shared.kind === "time_s" ? look.aligned_s : undefined));
+  const range = wanted && shared && wanted.map((value) => value / shared.factor);
   const ranged = range
     ? { range: axis.type === "log" ? range.map(Math.log10) : range, autorange: false }
     : {};
-  return { ...axis, linecolor: colour, tickcolor: colour, automargin: true, ...ranged };
+  return { ...axis, linecolor: colour, tickcolor: colour, automargin: !look.aligned_s, ...ranged };
+}
+
+/** Numbers as Plotly's JSON has them: a list, or base64 with the type of its items. */
+function numbers(values: unknown): number[] {
+  if (Array.isArray(values)) return values.map(Number);
+  const packed = values as { dtype?: string; bdata?: string } | undefined;
+  const Items = packed?.dtype ? ITEMS[packed.dtype] : undefined;
+  if (!packed?.bdata || !Items) return [];
+  const bytes = Uint8Array.from(atob(packed.bdata), (character) => character.charCodeAt(0));
+  return Array.from(new Items(bytes.buffer));
+}
+
+const ITEMS: Record<string, new (buffer: ArrayBuffer) => ArrayLike<number>> = {
+  f4: Float32Array,
+  f8: Float64Array,
+  i1: Int8Array,
+  i2: Int16Array,
+  i4: Int32Array,
+  u1: Uint8Array,
+  u2: Uint16Array,
+  u4: Uint32Array,
+};
+
+const ABOVE = { orientation: "h", x: 1, y: 1, xanchor: "right", yanchor: "bottom" };
+const MARK_LINES = {
+  certain: { color: "#D55E00", width: 1.2 },
+  uncertain: { color: "#D55E00", width: 1.2, dash: "dot" },
+  chosen: { color: "#0072B2", width: 2 },
+};
+
+/** A line across the plot for each mark, on the first axis of time that lies below it. */
+function marksOf(layout: Layout, { marks = [], isDark }: Look): Json[] {
+  const name = Object.keys(layout).find(
+    (one) => /^xaxis\d*$/.test(one) && sharedAxis(layout[one] as Json)?.kind === "time_s",
+  );
+  const shared = name && sharedAxis(layout[name] as Json);
+  if (!name || !shared) return [];
+  return marks.map(({ time_s, kind }) => {
+    const [at, line] = [time_s / shared.factor, MARK_LINES[kind]];
+    const color = isDark ? (BRIGHTER[line.color.toLowerCase()] ?? line.color) : line.color;
+    const xref = name.replace("axis", "");
+    return { type: "line", x0: at, x1: at, y0: 0, y1: 1, xref, yref: "paper", line: { ...line, color } };
+  });
+}
+
+/** The peaks that the figure of oscillations shows, as marks for others. */
+export function marksFrom({ data, layout }: Figure): Mark[] {
+  const factor = sharedAxis(layout.xaxis as Json | undefined)?.factor ?? 1;
+  return data.flatMap(({ name, x }) =>
+    name === "peak" || name === "uncertain peak"
+      ? numbers(x).map(
+          (at) => ({ time_s: at * factor, kind: name === "peak" ? "certain" : "uncertain" }) as const,
+        )
+      : [],
+  );
+}
+
+/** A moment in seconds at a click, where the figure has an axis of time below it. */
+export function momentAt(points: readonly Json[], layout: Layout): number | null {
+  const shared = sharedAxis(layout.xaxis as Json | undefined);
+  const x = points[0]?.x;
+  return shared?.kind === "time_s" && typeof x === "number" ? x * shared.factor : null;
 }
 
 function fittedTrace(trace: Trace, ink: string, isDark: boolean): Trace {

@@ -1,5 +1,6 @@
 import { keepPreviousData, queryOptions } from "@tanstack/react-query";
 import {
+  detectionsGet,
   dropletsGet,
   type FigureName,
   figuresGet,
@@ -74,6 +75,19 @@ export function dropletsQuery(run: Run, frame: number, which: "detected" | "trac
     gcTime: KEEP_MS,
     structuralSharing: false,
     ...freshness(available),
+  });
+}
+
+/** A frame looked at once more as the run did: what was not taken for a droplet, and the frame as detection sees it. */
+export function detectionQuery(run: Run, frame: number, is_picture_wanted: boolean) {
+  const request = { path: { run_id: run.id, frame }, query: { is_picture_wanted } };
+  return queryOptions({
+    queryKey: ["runs", run.id, "frames", frame, "detection", is_picture_wanted],
+    queryFn: async ({ signal }) => (await detectionsGet({ ...request, signal })).data,
+    gcTime: KEEP_MS,
+    staleTime: Number.POSITIVE_INFINITY,
+    structuralSharing: false,
+    retry: false,
   });
 }
 

@@ -46,6 +46,10 @@ export type RunSearch = {
   /** The mean flow over the range of time instead of one step. */
   mean?: boolean;
   figure?: string;
+  /** Oscillations are marked on the time axis unless this says no. */
+  marks?: false;
+  /** The frame as detection sees it, in place of the frame as it came. */
+  prepared?: true;
 };
 
 export function runSearch(search: Record<string, unknown>): RunSearch {
@@ -65,6 +69,8 @@ export function runSearch(search: Record<string, unknown>): RunSearch {
     map: asText(search.map),
     mean: search.mean === true ? true : undefined,
     figure: asText(search.figure),
+    marks: search.marks === false ? false : undefined,
+    prepared: search.prepared === true ? true : undefined,
   };
 }
 

@@ -14,6 +14,7 @@ import { Panel } from "../platform/Panel";
 import { ProblemAlert } from "../platform/ProblemAlert";
 import { fieldMessages, toProblem } from "../platform/problem";
 import { Loading, QueryView } from "../platform/QueryView";
+import { PresetsButton } from "../presets/PresetsButton";
 import { PreviewPanel } from "../previews/PreviewPanel";
 import { SuggestButton } from "../previews/SuggestButton";
 import { ParameterForm } from "./ParameterForm";
@@ -105,6 +106,15 @@ function NewRun({ experimentId, experiment, schema, begin, origin }: NewRunProps
           </Text>
           <Group gap="xs">
             <SuggestButton experimentId={experimentId} parameters={document} onTake={change} />
+            {experiment && (
+              <PresetsButton
+                group={experiment.group}
+                parameters={document}
+                defaults={defaults}
+                isValid={Object.keys(messages).length === 0}
+                onTake={change}
+              />
+            )}
             <Button variant="default" onClick={() => change(defaults)}>
               All to defaults
             </Button>

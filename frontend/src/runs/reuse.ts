@@ -8,6 +8,14 @@ export type ReuseLine = { stage: string; text: string };
 
 const MOST_SHOWN = 4;
 
+/** All of it in a line. */
+export function reuseSummary({ stages, compared_with }: Reuse): string {
+  const taken = stages.filter(({ reused_frames, total_frames }) => reused_frames >= total_frames);
+  if (taken.length === 0) return `Nothing was taken over from run ${compared_with}.`;
+  const names = taken.map(({ name }) => (STAGE_TITLES[name] ?? name).toLowerCase());
+  return `Taken over from earlier runs: ${names.join(", ")}.`;
+}
+
 /** One line a stage: `taken over whole`, or why it was done anew compared with the run before. */
 export function reuseLines(reuse: Reuse): ReuseLine[] {
   return reuse.stages.map(({ name, total_frames, reused_frames, differences }) => {

@@ -3,8 +3,8 @@
 import { type InfiniteData, infiniteQueryOptions, queryOptions, type UseMutationOptions } from '@tanstack/react-query';
 
 import { client } from '../client.gen';
-import { accountEndSession, accountGet, accountPassword, accountSessions, accountUpdate, administrationGet, auditList, comparisonFiguresGet, comparisonFiguresTable, comparisonGet, dropletsGet, experimentsCreate, experimentsDelete, experimentsGet, experimentsList, experimentsMove, experimentsUpdate, exportsGet, exportsList, figuresGet, figuresList, figuresTable, filesDownload, filesList, filesUpload, flowGet, flowMapsGet, framesPicture, groupsCreate, groupsDelete, groupsGet, groupsLimit, groupsList, groupsUpdate, healthGet, importsCreate, importsLook, invitationsAccept, invitationsCreate, invitationsDelete, invitationsList, invitationsLook, linkPreviewsCreate, materialsGet, materialsGetPhaseDiagram, materialsGetViscosity, materialsList, membersList, membersRemove, membersSet, noticesList, noticesResend, type Options, peopleCreate, peopleLink, peopleList, peopleUpdate, previewsCreate, qualityGet, rampsDownload, rampsGet, reportGet, resultFilesDownload, resultFilesList, runsCancel, runsCreate, runsDelete, runsGet, runsGetReuse, runsList, runsListAll, runsRetry, schemasGetExperiment, schemasGetParameters, sessionCreate, sessionDelete, sessionGet, sessionOidc, sessionOidcCallback, sharesCreate, sharesDelete, sharesList, stackComplete, stackDelete, suggestionsCreate, tailsGet, tokensCreate, tokensList, tokensRevoke, trajectoriesGet, uploadsCreate, uploadsGet, uploadsList, uploadsPlan, uploadsSend, uploadsTerminate, webhooksCreate, webhooksDelete, webhooksList, webhooksRenewSecret, webhooksTest, webhooksUpdate } from '../sdk.gen';
-import type { AccountEndSessionData, AccountEndSessionError, AccountEndSessionResponse, AccountGetData, AccountGetError, AccountGetResponse, AccountPasswordData, AccountPasswordError, AccountPasswordResponse, AccountSessionsData, AccountSessionsError, AccountSessionsResponse, AccountUpdateData, AccountUpdateError, AccountUpdateResponse, AdministrationGetData, AdministrationGetError, AdministrationGetResponse, AuditListData, AuditListError, AuditListResponse, ComparisonFiguresGetData, ComparisonFiguresGetError, ComparisonFiguresGetResponse, ComparisonFiguresTableData, ComparisonFiguresTableError, ComparisonGetData, ComparisonGetError, ComparisonGetResponse, DropletsGetData, DropletsGetError, DropletsGetResponse, ExperimentsCreateData, ExperimentsCreateError, ExperimentsCreateResponse, ExperimentsDeleteData, ExperimentsDeleteError, ExperimentsDeleteResponse, ExperimentsGetData, ExperimentsGetError, ExperimentsGetResponse, ExperimentsListData, ExperimentsListError, ExperimentsListResponse, ExperimentsMoveData, ExperimentsMoveError, ExperimentsMoveResponse, ExperimentsUpdateData, ExperimentsUpdateError, ExperimentsUpdateResponse, ExportsGetData, ExportsGetError, ExportsListData, ExportsListError, ExportsListResponse, FiguresGetData, FiguresGetError, FiguresGetResponse, FiguresListData, FiguresListError, FiguresListResponse, FiguresTableData, FiguresTableError, FilesDownloadData, FilesDownloadError, FilesListData, FilesListError, FilesListResponse, FilesUploadData, FilesUploadError, FilesUploadResponse, FlowGetData, FlowGetError, FlowGetResponse, FlowMapsGetData, FlowMapsGetError, FlowMapsGetResponse, FramesPictureData, FramesPictureError, GroupsCreateData, GroupsCreateError, GroupsCreateResponse, GroupsDeleteData, GroupsDeleteError, GroupsDeleteResponse, GroupsGetData, GroupsGetError, GroupsGetResponse, GroupsLimitData, GroupsLimitError, GroupsLimitResponse, GroupsListData, GroupsListError, GroupsListResponse, GroupsUpdateData, GroupsUpdateError, GroupsUpdateResponse, HealthGetData, HealthGetError, HealthGetResponse, ImportsCreateData, ImportsCreateError, ImportsCreateResponse, ImportsLookData, ImportsLookError, ImportsLookResponse, InvitationsAcceptData, InvitationsAcceptError, InvitationsAcceptResponse, InvitationsCreateData, InvitationsCreateError, InvitationsCreateResponse, InvitationsDeleteData, InvitationsDeleteError, InvitationsDeleteResponse, InvitationsListData, InvitationsListError, InvitationsListResponse, InvitationsLookData, InvitationsLookError, InvitationsLookResponse, LinkPreviewsCreateData, LinkPreviewsCreateError, LinkPreviewsCreateResponse, MaterialsGetData, MaterialsGetError, MaterialsGetPhaseDiagramData, MaterialsGetPhaseDiagramError, MaterialsGetPhaseDiagramResponse, MaterialsGetResponse, MaterialsGetViscosityData, MaterialsGetViscosityError, MaterialsGetViscosityResponse, MaterialsListData, MaterialsListError, MaterialsListResponse, MembersListData, MembersListError, MembersListResponse, MembersRemoveData, MembersRemoveError, MembersRemoveResponse, MembersSetData, MembersSetError, MembersSetResponse, NoticesListData, NoticesListError, NoticesListResponse, NoticesResendData, NoticesResendError, NoticesResendResponse, PeopleCreateData, PeopleCreateError, PeopleCreateResponse, PeopleLinkData, PeopleLinkError, PeopleLinkResponse, PeopleListData, PeopleListError, PeopleListResponse, PeopleUpdateData, PeopleUpdateError, PeopleUpdateResponse, PreviewsCreateData, PreviewsCreateError, PreviewsCreateResponse, QualityGetData, QualityGetError, QualityGetResponse, RampsDownloadData, RampsDownloadError, RampsGetData, RampsGetError, RampsGetResponse, ReportGetData, ReportGetError, ResultFilesDownloadData, ResultFilesDownloadError, ResultFilesListData, ResultFilesListError, ResultFilesListResponse, RunsCancelData, RunsCancelError, RunsCancelResponse, RunsCreateData, RunsCreateError, RunsCreateResponse, RunsDeleteData, RunsDeleteError, RunsDeleteResponse, RunsGetData, RunsGetError, RunsGetResponse, RunsGetReuseData, RunsGetReuseError, RunsGetReuseResponse, RunsListAllData, RunsListAllError, RunsListAllResponse, RunsListData, RunsListError, RunsListResponse, RunsRetryData, RunsRetryError, RunsRetryResponse, SchemasGetExperimentData, SchemasGetExperimentError, SchemasGetExperimentResponse, SchemasGetParametersData, SchemasGetParametersError, SchemasGetParametersResponse, SessionCreateData, SessionCreateError, SessionCreateResponse, SessionDeleteData, SessionDeleteError, SessionDeleteResponse, SessionGetData, SessionGetError, SessionGetResponse, SessionOidcCallbackData, SessionOidcCallbackError, SessionOidcCallbackResponse, SessionOidcData, SessionOidcError, SessionOidcResponse, SharesCreateData, SharesCreateError, SharesCreateResponse, SharesDeleteData, SharesDeleteError, SharesDeleteResponse, SharesListData, SharesListError, SharesListResponse, StackCompleteData, StackCompleteError, StackCompleteResponse, StackDeleteData, StackDeleteError, StackDeleteResponse, SuggestionsCreateData, SuggestionsCreateError, SuggestionsCreateResponse, TailsGetData, TailsGetError, TailsGetResponse, TokensCreateData, TokensCreateError, TokensCreateResponse, TokensListData, TokensListError, TokensListResponse, TokensRevokeData, TokensRevokeError, TokensRevokeResponse, TrajectoriesGetData, TrajectoriesGetError, TrajectoriesGetResponse, UploadsCreateData, UploadsCreateError, UploadsGetData, UploadsGetError, UploadsGetResponse, UploadsListData, UploadsListError, UploadsListResponse, UploadsPlanData, UploadsPlanError, UploadsPlanResponse, UploadsSendData, UploadsSendError, UploadsSendResponse, UploadsTerminateData, UploadsTerminateError, UploadsTerminateResponse, WebhooksCreateData, WebhooksCreateError, WebhooksCreateResponse, WebhooksDeleteData, WebhooksDeleteError, WebhooksDeleteResponse, WebhooksListData, WebhooksListError, WebhooksListResponse, WebhooksRenewSecretData, WebhooksRenewSecretError, WebhooksRenewSecretResponse, WebhooksTestData, WebhooksTestError, WebhooksTestResponse, WebhooksUpdateData, WebhooksUpdateError, WebhooksUpdateResponse } from '../types.gen';
+import { accountEndSession, accountGet, accountPassword, accountSessions, accountUpdate, administrationGet, auditList, comparisonFiguresGet, comparisonFiguresTable, comparisonGet, detectionsGet, dropletsGet, experimentsCreate, experimentsDelete, experimentsGet, experimentsList, experimentsMove, experimentsUpdate, exportsGet, exportsList, figuresGet, figuresList, figuresTable, filesDownload, filesList, filesUpload, flowGet, flowMapsGet, framesPicture, groupsCreate, groupsDelete, groupsGet, groupsLimit, groupsList, groupsUpdate, healthGet, importsCreate, importsLook, invitationsAccept, invitationsCreate, invitationsDelete, invitationsList, invitationsLook, linkPreviewsCreate, materialsGet, materialsGetPhaseDiagram, materialsGetViscosity, materialsList, membersList, membersRemove, membersSet, noticesList, noticesResend, type Options, peopleCreate, peopleLink, peopleList, peopleUpdate, presetsCreate, presetsDelete, presetsList, presetsUpdate, previewsCreate, qualityGet, rampsDownload, rampsGet, reportGet, resultFilesDownload, resultFilesList, runsCancel, runsCreate, runsDelete, runsGet, runsGetReuse, runsList, runsListAll, runsRetry, schemasGetExperiment, schemasGetParameters, sessionCreate, sessionDelete, sessionGet, sessionOidc, sessionOidcCallback, sharesCreate, sharesDelete, sharesList, stackComplete, stackDelete, suggestionsCreate, tailsGet, tokensCreate, tokensList, tokensRevoke, trajectoriesGet, uploadsCreate, uploadsGet, uploadsList, uploadsPlan, uploadsSend, uploadsTerminate, webhooksCreate, webhooksDelete, webhooksList, webhooksRenewSecret, webhooksTest, webhooksUpdate } from '../sdk.gen';
+import type { AccountEndSessionData, AccountEndSessionError, AccountEndSessionResponse, AccountGetData, AccountGetError, AccountGetResponse, AccountPasswordData, AccountPasswordError, AccountPasswordResponse, AccountSessionsData, AccountSessionsError, AccountSessionsResponse, AccountUpdateData, AccountUpdateError, AccountUpdateResponse, AdministrationGetData, AdministrationGetError, AdministrationGetResponse, AuditListData, AuditListError, AuditListResponse, ComparisonFiguresGetData, ComparisonFiguresGetError, ComparisonFiguresGetResponse, ComparisonFiguresTableData, ComparisonFiguresTableError, ComparisonGetData, ComparisonGetError, ComparisonGetResponse, DetectionsGetData, DetectionsGetError, DetectionsGetResponse, DropletsGetData, DropletsGetError, DropletsGetResponse, ExperimentsCreateData, ExperimentsCreateError, ExperimentsCreateResponse, ExperimentsDeleteData, ExperimentsDeleteError, ExperimentsDeleteResponse, ExperimentsGetData, ExperimentsGetError, ExperimentsGetResponse, ExperimentsListData, ExperimentsListError, ExperimentsListResponse, ExperimentsMoveData, ExperimentsMoveError, ExperimentsMoveResponse, ExperimentsUpdateData, ExperimentsUpdateError, ExperimentsUpdateResponse, ExportsGetData, ExportsGetError, ExportsListData, ExportsListError, ExportsListResponse, FiguresGetData, FiguresGetError, FiguresGetResponse, FiguresListData, FiguresListError, FiguresListResponse, FiguresTableData, FiguresTableError, FilesDownloadData, FilesDownloadError, FilesListData, FilesListError, FilesListResponse, FilesUploadData, FilesUploadError, FilesUploadResponse, FlowGetData, FlowGetError, FlowGetResponse, FlowMapsGetData, FlowMapsGetError, FlowMapsGetResponse, FramesPictureData, FramesPictureError, GroupsCreateData, GroupsCreateError, GroupsCreateResponse, GroupsDeleteData, GroupsDeleteError, GroupsDeleteResponse, GroupsGetData, GroupsGetError, GroupsGetResponse, GroupsLimitData, GroupsLimitError, GroupsLimitResponse, GroupsListData, GroupsListError, GroupsListResponse, GroupsUpdateData, GroupsUpdateError, GroupsUpdateResponse, HealthGetData, HealthGetError, HealthGetResponse, ImportsCreateData, ImportsCreateError, ImportsCreateResponse, ImportsLookData, ImportsLookError, ImportsLookResponse, InvitationsAcceptData, InvitationsAcceptError, InvitationsAcceptResponse, InvitationsCreateData, InvitationsCreateError, InvitationsCreateResponse, InvitationsDeleteData, InvitationsDeleteError, InvitationsDeleteResponse, InvitationsListData, InvitationsListError, InvitationsListResponse, InvitationsLookData, InvitationsLookError, InvitationsLookResponse, LinkPreviewsCreateData, LinkPreviewsCreateError, LinkPreviewsCreateResponse, MaterialsGetData, MaterialsGetError, MaterialsGetPhaseDiagramData, MaterialsGetPhaseDiagramError, MaterialsGetPhaseDiagramResponse, MaterialsGetResponse, MaterialsGetViscosityData, MaterialsGetViscosityError, MaterialsGetViscosityResponse, MaterialsListData, MaterialsListError, MaterialsListResponse, MembersListData, MembersListError, MembersListResponse, MembersRemoveData, MembersRemoveError, MembersRemoveResponse, MembersSetData, MembersSetError, MembersSetResponse, NoticesListData, NoticesListError, NoticesListResponse, NoticesResendData, NoticesResendError, NoticesResendResponse, PeopleCreateData, PeopleCreateError, PeopleCreateResponse, PeopleLinkData, PeopleLinkError, PeopleLinkResponse, PeopleListData, PeopleListError, PeopleListResponse, PeopleUpdateData, PeopleUpdateError, PeopleUpdateResponse, PresetsCreateData, PresetsCreateError, PresetsCreateResponse, PresetsDeleteData, PresetsDeleteError, PresetsDeleteResponse, PresetsListData, PresetsListError, PresetsListResponse, PresetsUpdateData, PresetsUpdateError, PresetsUpdateResponse, PreviewsCreateData, PreviewsCreateError, PreviewsCreateResponse, QualityGetData, QualityGetError, QualityGetResponse, RampsDownloadData, RampsDownloadError, RampsGetData, RampsGetError, RampsGetResponse, ReportGetData, ReportGetError, ResultFilesDownloadData, ResultFilesDownloadError, ResultFilesListData, ResultFilesListError, ResultFilesListResponse, RunsCancelData, RunsCancelError, RunsCancelResponse, RunsCreateData, RunsCreateError, RunsCreateResponse, RunsDeleteData, RunsDeleteError, RunsDeleteResponse, RunsGetData, RunsGetError, RunsGetResponse, RunsGetReuseData, RunsGetReuseError, RunsGetReuseResponse, RunsListAllData, RunsListAllError, RunsListAllResponse, RunsListData, RunsListError, RunsListResponse, RunsRetryData, RunsRetryError, RunsRetryResponse, SchemasGetExperimentData, SchemasGetExperimentError, SchemasGetExperimentResponse, SchemasGetParametersData, SchemasGetParametersError, SchemasGetParametersResponse, SessionCreateData, SessionCreateError, SessionCreateResponse, SessionDeleteData, SessionDeleteError, SessionDeleteResponse, SessionGetData, SessionGetError, SessionGetResponse, SessionOidcCallbackData, SessionOidcCallbackError, SessionOidcCallbackResponse, SessionOidcData, SessionOidcError, SessionOidcResponse, SharesCreateData, SharesCreateError, SharesCreateResponse, SharesDeleteData, SharesDeleteError, SharesDeleteResponse, SharesListData, SharesListError, SharesListResponse, StackCompleteData, StackCompleteError, StackCompleteResponse, StackDeleteData, StackDeleteError, StackDeleteResponse, SuggestionsCreateData, SuggestionsCreateError, SuggestionsCreateResponse, TailsGetData, TailsGetError, TailsGetResponse, TokensCreateData, TokensCreateError, TokensCreateResponse, TokensListData, TokensListError, TokensListResponse, TokensRevokeData, TokensRevokeError, TokensRevokeResponse, TrajectoriesGetData, TrajectoriesGetError, TrajectoriesGetResponse, UploadsCreateData, UploadsCreateError, UploadsGetData, UploadsGetError, UploadsGetResponse, UploadsListData, UploadsListError, UploadsListResponse, UploadsPlanData, UploadsPlanError, UploadsPlanResponse, UploadsSendData, UploadsSendError, UploadsSendResponse, UploadsTerminateData, UploadsTerminateError, UploadsTerminateResponse, WebhooksCreateData, WebhooksCreateError, WebhooksCreateResponse, WebhooksDeleteData, WebhooksDeleteError, WebhooksDeleteResponse, WebhooksListData, WebhooksListError, WebhooksListResponse, WebhooksRenewSecretData, WebhooksRenewSecretError, WebhooksRenewSecretResponse, WebhooksTestData, WebhooksTestError, WebhooksTestResponse, WebhooksUpdateData, WebhooksUpdateError, WebhooksUpdateResponse } from '../types.gen';
 
 export type QueryKey<TOptions extends Options> = [
     Pick<TOptions, 'baseUrl' | 'body' | 'headers' | 'path' | 'query'> & {
@@ -1099,6 +1099,83 @@ export const membersSetMutation = (options?: Partial<Options<MembersSetData>>): 
     return mutationOptions;
 };
 
+export const presetsListQueryKey = (options: Options<PresetsListData>) => createQueryKey('presetsList', options);
+
+/**
+ * Presets List
+ *
+ * List the parameters that a group keeps under a name.
+ */
+export const presetsListOptions = (options: Options<PresetsListData>) => queryOptions<PresetsListResponse, PresetsListError, PresetsListResponse, ReturnType<typeof presetsListQueryKey>>({
+    queryFn: async ({ queryKey, signal }) => {
+        const { data } = await presetsList({
+            ...options,
+            ...queryKey[0],
+            signal,
+            throwOnError: true
+        });
+        return data;
+    },
+    queryKey: presetsListQueryKey(options)
+});
+
+/**
+ * Presets Create
+ *
+ * Keep parameters under a name, for everybody in the group.
+ */
+export const presetsCreateMutation = (options?: Partial<Options<PresetsCreateData>>): UseMutationOptions<PresetsCreateResponse, PresetsCreateError, Options<PresetsCreateData>> => {
+    const mutationOptions: UseMutationOptions<PresetsCreateResponse, PresetsCreateError, Options<PresetsCreateData>> = {
+        mutationFn: async (fnOptions) => {
+            const { data } = await presetsCreate({
+                ...options,
+                ...fnOptions,
+                throwOnError: true
+            });
+            return data;
+        }
+    };
+    return mutationOptions;
+};
+
+/**
+ * Presets Delete
+ *
+ * Forget a preset. Runs that began with it keep their parameters.
+ */
+export const presetsDeleteMutation = (options?: Partial<Options<PresetsDeleteData>>): UseMutationOptions<PresetsDeleteResponse, PresetsDeleteError, Options<PresetsDeleteData>> => {
+    const mutationOptions: UseMutationOptions<PresetsDeleteResponse, PresetsDeleteError, Options<PresetsDeleteData>> = {
+        mutationFn: async (fnOptions) => {
+            const { data } = await presetsDelete({
+                ...options,
+                ...fnOptions,
+                throwOnError: true
+            });
+            return data;
+        }
+    };
+    return mutationOptions;
+};
+
+/**
+ * Presets Update
+ *
+ * Give a preset another name or other parameters. Runs that began with it keep theirs.
+ */
+export const presetsUpdateMutation = (options?: Partial<Options<PresetsUpdateData>>): UseMutationOptions<PresetsUpdateResponse, PresetsUpdateError, Options<PresetsUpdateData>> => {
+    const mutationOptions: UseMutationOptions<PresetsUpdateResponse, PresetsUpdateError, Options<PresetsUpdateData>> = {
+        mutationFn: async (fnOptions) => {
+            const { data } = await presetsUpdate({
+                ...options,
+                ...fnOptions,
+                throwOnError: true
+            });
+            return data;
+        }
+    };
+    return mutationOptions;
+};
+
 export const webhooksListQueryKey = (options: Options<WebhooksListData>) => createQueryKey('webhooksList', options);
 
 /**
@@ -1802,6 +1879,26 @@ export const flowMapsGetOptions = (options: Options<FlowMapsGetData>) => queryOp
         return data;
     },
     queryKey: flowMapsGetQueryKey(options)
+});
+
+export const detectionsGetQueryKey = (options: Options<DetectionsGetData>) => createQueryKey('detectionsGet', options);
+
+/**
+ * Detections Get
+ *
+ * Look once more at a frame as the run did: what was found, and what was not taken for a droplet and why.
+ */
+export const detectionsGetOptions = (options: Options<DetectionsGetData>) => queryOptions<DetectionsGetResponse, DetectionsGetError, DetectionsGetResponse, ReturnType<typeof detectionsGetQueryKey>>({
+    queryFn: async ({ queryKey, signal }) => {
+        const { data } = await detectionsGet({
+            ...options,
+            ...queryKey[0],
+            signal,
+            throwOnError: true
+        });
+        return data;
+    },
+    queryKey: detectionsGetQueryKey(options)
 });
 
 export const dropletsGetQueryKey = (options: Options<DropletsGetData>) => createQueryKey('dropletsGet', options);

@@ -1,0 +1,1 @@
+"""Parameters that a group keeps under a name."""

@@ -1,0 +1,91 @@
+import { keepPreviousData, useQuery, useQueryClient } from "@tanstack/react-query";
+import { useCallback, useEffect, useMemo } from "react";
+import type { Run } from "../client";
+import type { Scenery } from "../frames/drawing";
+import type { Painter } from "../frames/pen";
+import { neighbours } from "../frames/pictures";
+import { pictureFrom, usePicture } from "../previews/usePicture";
+import { arrowsOf } from "./arrows";
+import { availability } from "./availability";
+import type { OverlayData } from "./overlay";
+import { detectionQuery, dropletsQuery, flowQuery, tailsQuery } from "./queries";
+import type { Layer } from "./view";
+
+const N_TAIL_FRAMES = 15;
+
+/** What a run knows of one frame; the droplets of detection stand in until tracking is through. */
+export function useFrameResults(run: Run, frame: number, n_frames: number, layers: readonly Layer[]) {
+  const cache = useQueryClient();
+  const isTracked = availability(run, "track") === "whole";
+  const which = isTracked ? "tracked" : "detected";
+  const hasTails = isTracked && layers.includes("tails");
+  const droplets = useQuery({ ...dropletsQuery(run, frame, which), placeholderData: keepPreviousData });
+  const flow = useQuery({ ...flowQuery(run, frame), placeholderData: keepPreviousData });
+  const tails = useQuery({
+    ...tailsQuery(run, frame, N_TAIL_FRAMES),
+    enabled: hasTails,
+    placeholderData: keepPreviousData,
+  });
+  useEffect(() => {
+    if (!isTracked) return;
+    for (const near of neighbours(frame, n_frames)) {
+      void cache.prefetchQuery(dropletsQuery(run, near, "tracked"));
+      void cache.prefetchQuery(flowQuery(run, near));
+      if (hasTails) void cache.prefetchQuery(tailsQuery(run, near, N_TAIL_FRAMES));
+    }
+  }, [run, frame, n_frames, isTracked, hasTails, cache]);
+  const field = useMemo(() => (flow.data ? arrowsOf(flow.data) : null), [flow.data]);
+  return {
+    droplets: droplets.data ?? null,
+    field,
+    tails: hasTails ? (tails.data ?? null) : null,
+    error: droplets.error ?? flow.error ?? tails.error,
+    isThere: !droplets.isPending,
+  };
+}
+
+/** Another look at the frame, where rejected candidates or the prepared frame are wanted: neither is kept. */
+export function useSecondLook(run: Run, frame: number, isRejectedWanted: boolean, isPrepared: boolean) {
+  const query = useQuery({
+    ...detectionQuery(run, frame, isPrepared),
+    enabled: isRejectedWanted || isPrepared,
+  });
+  const picture = usePicture(isPrepared ? query.data?.prepared_jpeg : null);
+  return {
+    found: query.data ?? null,
+    rejected: isRejectedWanted ? (query.data?.rejected ?? null) : null,
+    picture: isPrepared ? (picture ?? undefined) : undefined,
+    error: query.error,
+    isFetching: query.isFetching,
+  };
+}
+
+/** What is drawn over any frame, for films. */
+export function useSceneryOf(
+  run: Run,
+  layers: readonly Layer[],
+  isPrepared: boolean,
+  dress: (data: OverlayData) => Painter,
+) {
+  const cache = useQueryClient();
+  return useCallback(
+    async (frame: number): Promise<Scenery> => {
+      const isTracked = availability(run, "track") === "whole";
+      const isRejectedWanted = layers.includes("rejected");
+      const [droplets, flow, tails, look] = await Promise.all([
+        cache.fetchQuery(dropletsQuery(run, frame, isTracked ? "tracked" : "detected")),
+        cache.fetchQuery(flowQuery(run, frame)),
+        layers.includes("tails") ? cache.fetchQuery(tailsQuery(run, frame, N_TAIL_FRAMES)) : null,
+        isRejectedWanted || isPrepared ? cache.fetchQuery(detectionQuery(run, frame, isPrepared)) : null,
+      ]);
+      const field = flow && arrowsOf(flow);
+      const rejected = isRejectedWanted ? look?.rejected : null;
+      const jpeg = isPrepared ? look?.prepared_jpeg : null;
+      return {
+        paint: dress({ droplets, field, tails, rejected }),
+        picture: jpeg ? await pictureFrom(jpeg) : undefined,
+      };
+    },
+    [cache, run, layers, isPrepared, dress],
+  );
+}
