@@ -18,11 +18,12 @@ from dropflow.frames import Choice, Frames, open_frames
 from dropflow.ingest import StackIndex
 from dropflow.parameters import Parameters, parse_parameters
 from dropflow.preprocess import StackEstimate
+from dropflow.preprocess.estimate import ESTIMATE_FILE
 from worker.context import Context
 from worker.leases import Claim, LeaseLost
 from worker.plan import Task
 
-INDEX_FILE, ESTIMATE_FILE = "index.json", "estimate.npz"
+INDEX_FILE = "index.json"
 FRAMES_ROLE = "frames"
 
 

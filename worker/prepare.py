@@ -13,9 +13,10 @@ from dropflow.frames import Frame, open_frames
 from dropflow.ingest import StackIndex
 from dropflow.physics.over_time import material_over_time
 from dropflow.preprocess import StackEstimate
+from dropflow.preprocess.estimate import ESTIMATE_FILE
 from worker.context import Context
 from worker.fan_in import NewShard
-from worker.film import ESTIMATE_FILE, INDEX_FILE, Film, load_film, made_ranges
+from worker.film import INDEX_FILE, Film, load_film, made_ranges
 from worker.keys import detection_key, range_key, source_digest
 from worker.leases import Lease
 from worker.outcomes import NewProduct, publish

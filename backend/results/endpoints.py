@@ -60,11 +60,10 @@ def figures_get(
     query: Annotated[FigureQuery, Query()],
 ) -> Response:
     """Get a figure as Plotly draws it, of what is done so far."""
-    frame = service.looks_at(name, query)
+    frame = service.looks_at(asker, name, query)
     if frame is None:
         return Response(service.figure(asker, platform.store, name, query), media_type="application/json")
     experiment = asker.run().experiment
-    asker.product("track", query.frame)
     image = None
     if frame < (experiment.stack.n_frames or 0):
         image = read_frame(

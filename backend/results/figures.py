@@ -1,5 +1,6 @@
 """The figures of a run and their numbers, as the library draws them."""
 
+import io
 import json
 from collections.abc import Iterator
 from typing import Any
@@ -11,12 +12,13 @@ import pyarrow.parquet as pq
 
 from backend.models import Product
 from backend.platform.object_store import ObjectStore
-from backend.results.frames import open_flow
+from backend.results.frames import detected_droplets, open_flow
 from backend.results.schemas import FigureQuery
 from dropflow import figures
 from dropflow.figures.catalogue import Entry, draw
-from dropflow.figures.example import EXAMPLE_FILE, Example, draw_example
+from dropflow.figures.example import EXAMPLE_FILE, Example, draw_example, make_example
 from dropflow.figures.of_frame import COLUMNS, FlowStep, displacement_of, flow_field_of, tracking_step_of
+from dropflow.preprocess.estimate import ESTIMATE_FILE, StackEstimate
 from dropflow.statistics.condensed import Condensed
 from dropflow.statistics.facts import FilmFacts
 from dropflow.statistics.findings import Findings
@@ -53,10 +55,23 @@ def as_csv(table: pl.DataFrame, about: str) -> Iterator[bytes]:
         yield table.slice(start, _ROWS_AT_ONCE).write_csv(include_header=False).encode()
 
 
-def working_panel(entry: Entry, facts: FilmFacts, store: ObjectStore, analysed: Product) -> str:
-    """A step of detection on the frame that the analysis kept."""
+def kept_example(store: ObjectStore, analysed: Product) -> Example:
+    """The frame that the analysis kept."""
     with store.open(analysed.prefix + EXAMPLE_FILE) as file:
-        example = Example.load(file)
+        return Example.load(file)
+
+
+def example_of(
+    facts: FilmFacts, store: ObjectStore, prepared: Product, detected: Product, frame: int, image: npt.NDArray[Any]
+) -> Example:
+    """Any other frame, prepared as the analysis did."""
+    measured = StackEstimate.load(io.BytesIO(store.read(prepared.prefix + ESTIMATE_FILE)))
+    droplets = detected_droplets(store, detected, frame)
+    return make_example(image, frame, droplets, facts.experiment, facts.parameters, measured)
+
+
+def working_panel(entry: Entry, facts: FilmFacts, example: Example) -> str:
+    """A step of detection."""
     caption = figures.caption_of(facts.caption())
     return as_json(draw_example(entry.name, example, parameters=facts.parameters, title=entry.title, caption=caption))
 

@@ -11,6 +11,7 @@ from backend.models import Product
 from backend.platform.object_store import ObjectStore
 from backend.results.errors import NotYet
 from backend.results.schemas import FrameDroplets, FrameFlow
+from dropflow.droplets import Droplets
 
 _PLACE = ["x_px", "y_px", "r_px", "match"]
 
@@ -20,6 +21,12 @@ def detected(store: ObjectStore, product: Product, frame: int) -> FrameDroplets:
     with store.open(product.prefix + "droplets.parquet") as file:
         rows = pq.read_table(file, columns=_PLACE, filters=[("frame", "=", frame)])
     return FrameDroplets(frame=frame, **rows.to_pydict())
+
+
+def detected_droplets(store: ObjectStore, product: Product, frame: int) -> Droplets:
+    """The same as detection leaves them."""
+    with store.open(product.prefix + "droplets.parquet") as file:
+        return Droplets.from_table(pq.read_table(file, filters=[("frame", "=", frame)]))
 
 
 def tracked(store: ObjectStore, product: Product, frame: int) -> FrameDroplets:

@@ -95,7 +95,7 @@ def figure(asker: Asker, store: ObjectStore, name: FigureName, query: FigureQuer
     """A figure of the whole film, as Plotly JSON."""
     entry = checked(name, query)
     if name in WORKING_PANELS:
-        return figures.working_panel(entry, _facts(asker, entry), store, asker.product("analyse"))
+        return figures.working_panel(entry, _facts(asker, entry), figures.kept_example(store, asker.product("analyse")))
     return figures.of_film(entry, _findings(asker, store, entry, query))
 
 
@@ -107,11 +107,12 @@ def table(asker: Asker, store: ObjectStore, name: FigureName, query: FigureQuery
     return figures.table_of(entry, _findings(asker, store, entry, query))
 
 
-def looks_at(name: FigureName, query: FigureQuery) -> int | None:
-    """The frame that is the background of a figure, if it has one."""
+def looks_at(asker: Asker, name: FigureName, query: FigureQuery) -> int | None:
+    """The frame that a figure is drawn on, if it is one of a frame; what it needs besides is there."""
     entry = checked(name, query)
-    if entry.draw is not None or name in WORKING_PANELS or query.frame is None:
+    if entry.draw is not None or query.frame is None:
         return None
+    asker.product("detect" if name in WORKING_PANELS else "track", query.frame)
     other = {"forward_tracking": 1, "backward_tracking": -1}.get(name, 0)
     return max(query.frame + other, 0)
 
@@ -119,8 +120,13 @@ def looks_at(name: FigureName, query: FigureQuery) -> int | None:
 def frame_figure(asker: Asker, store: ObjectStore, name: FigureName, query: FigureQuery, image: Frame | None) -> str:
     """A figure of one frame, as Plotly JSON."""
     entry = checked(name, query)
-    tracked = asker.product("track", query.frame)
-    return figures.of_frame(entry, _facts(asker, entry), store, tracked, query, image)
+    facts = _facts(asker, entry)
+    if name not in WORKING_PANELS:
+        return figures.of_frame(entry, facts, store, asker.product("track", query.frame), query, image)
+    if image is None or query.frame is None:
+        raise NotYet
+    prepared, detected = asker.product("prepare"), asker.product("detect", query.frame)
+    return figures.working_panel(entry, facts, figures.example_of(facts, store, prepared, detected, query.frame, image))
 
 
 def _facts(asker: Asker, entry: Entry) -> FilmFacts:

@@ -5,10 +5,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dropflow.cli.options import ExperimentFile, ParametersFile, Stack
-from dropflow.errors import FramesError
+from dropflow.cli.options import ExperimentFile, ParametersFile, Stack, frame_at
 from dropflow.experiment import load_experiment
-from dropflow.frames.contract import Frame, Frames
 from dropflow.parameters import Parameters, load_parameters
 
 if TYPE_CHECKING:
@@ -43,7 +41,7 @@ def preview(
 
     film, knobs = load_experiment(experiment), load_parameters(parameters) if parameters else Parameters()
     with open_frames(stack, Choice.of(film)) as frames:
-        image = _frame_at(frames, frame)
+        image = frame_at(frames, frame)
         measured = pipeline.estimate(frames, film, knobs, flat_field=flat_field_beside(film, experiment.parent))
         shown = preview_of(image, make_detector(film, knobs, measured))
     found, others = shown.detection.droplets, shown.detection.rejected.droplets
@@ -72,10 +70,3 @@ def _write_flat_field(folder: Path, measured: "StackEstimate") -> None:
     dirt = dirt_map(measured.flat_field).astype("uint8")
     for name, image in (("flat_field_of_the_stack", measured.flat_field), ("dirt_map", dirt)):
         write_picture(folder / f"0-{name}.png", draw_overlay(image, Droplets.empty()))
-
-
-def _frame_at(frames: Frames, index: int) -> Frame:
-    if index >= len(frames):
-        message = f"There is no frame {index}: the stack has frames 0 to {len(frames) - 1}."
-        raise FramesError(message, code="frames.no_such_frame")
-    return frames[index]

@@ -3,7 +3,7 @@
 import numpy as np
 import plotly.graph_objects as go
 
-from dropflow.figures.layout import BLUE, ORANGE, VERMILION, new_figure, say_empty
+from dropflow.figures.layout import BLUE, ORANGE, VERMILION, new_figure, say_empty, with_error
 from dropflow.statistics.calibration import Calibration
 
 
@@ -26,10 +26,10 @@ def self_calibration(
         name="measured",
     )
     ends = np.array([found.r2_um2.min(), found.r2_um2.max()])
-    measured = f"Δρ/η = {found.density_over_viscosity_s_m2:.4g} ± {found.std_s_m2:.2g} s/m²"
+    measured = f"Δρ/η = {with_error(found.density_over_viscosity_s_m2, found.std_s_m2, 's/m²')}"
     for value, name, colour, dash in (
         (found.density_over_viscosity_s_m2, measured, BLUE, "solid"),
-        (found.expected_s_m2, f"material: {found.expected_s_m2:.4g} s/m²", ORANGE, "dash"),
+        (found.expected_s_m2, f"material: {with_error(found.expected_s_m2, unit='s/m²')}", ORANGE, "dash"),
     ):
         line = {"color": colour, "dash": dash}
         figure.add_scatter(x=ends, y=found.slope_per_um_s(value) * ends, mode="lines", line=line, name=name)

@@ -58,6 +58,7 @@ RADIUS_MIN_UM = Parameter("radius_min_um", "number", "Leave out smaller droplets
 RADIUS_MAX_UM = Parameter("radius_max_um", "number", "Leave out larger droplets.", "µm")
 SIGNAL = Parameter("signal", "choice", "In what oscillations are looked for.", choices=tuple(Signal))
 FRAME = Parameter("frame", "integer", "Which frame.", is_required=True)
+ANY_FRAME = Parameter("frame", "integer", "Which frame; without it the one in the middle of the film.")
 TRAJECTORY = Parameter("trajectory", "integer", "Which trajectory.", is_required=True)
 TIMES, RADII = (FROM_S, TO_S), (RADIUS_MIN_UM, RADIUS_MAX_UM)
 
@@ -190,8 +191,9 @@ CATALOGUE: tuple[Entry, ...] = (
         "Detection by threshold and distance",
         "Fig. 4",
         Group.FRAME,
-        "A piece of the frame in the middle of the film, cleaned, thresholded, its distance map and what is found.",
+        "A piece of a frame with many droplets, cleaned, thresholded, its distance map and what is found.",
         "working-panels",
+        parameters=(ANY_FRAME,),
     ),
     _entry(
         "watershed",
@@ -201,6 +203,7 @@ CATALOGUE: tuple[Entry, ...] = (
         "The same piece with the markers of droplets and background, the gradient with its watershed lines, and what "
         "is found.",
         "working-panels",
+        parameters=(ANY_FRAME,),
     ),
     _entry(
         "match",
@@ -209,6 +212,7 @@ CATALOGUE: tuple[Entry, ...] = (
         Group.FRAME,
         "Disk and ring on a droplet of the same piece, and the match against its radius and place.",
         "working-panels",
+        parameters=(ANY_FRAME,),
     ),
     _entry(
         "flow_field",

@@ -39,8 +39,15 @@ def collision_efficiency(
     known = np.isfinite(share) & np.isfinite(error)
     if not known.any():
         return say_empty(figure, "no trajectory is long enough")
-    if (share[known] > 0).all() and share[known].max() > _WIDE * share[known].min():
+    positive = known & (share > 0)
+    if positive.any() and share[positive].max() > _WIDE * share[positive].min():
         figure.update_yaxes(type="log", exponentformat="power")
+        if (n_left_out := int((known & ~positive).sum())) > 0:
+            text = f"{n_left_out} bin{'s' if n_left_out > 1 else ''} without growth left out"
+            place = {"x": 1, "y": 1, "xref": "paper", "yref": "paper", "xanchor": "right", "yanchor": "bottom"}
+            figure.add_annotation(text=text, showarrow=False, **place)
+        known = positive
+    figure.add_hline(y=1, line={"color": "#999", "dash": "dash", "width": 1})
     return figure.add_scatter(
         x=found.rate.x[known],
         y=share[known],

@@ -124,29 +124,44 @@ def make_example(
 
 
 def _busy_place(droplets: Droplets, shape: tuple[int, ...], side: int) -> tuple[int, int]:
-    """Left and top of the square with most of the droplets' area, among squares half a side apart."""
+    """Left and top of the square with most of the droplets' area, among squares half a side apart.
+
+    Droplets that lie whole in the square count before those that it cuts.
+    """
     rows, columns = shape
-    best, place = -1.0, (max(0, (columns - side) // 2), max(0, (rows - side) // 2))
-    for top in range(0, max(rows - side, 0) + 1, max(side // 2, 1)):
-        for left in range(0, max(columns - side, 0) + 1, max(side // 2, 1)):
-            inside = (np.abs(droplets.x_px - left - side / 2) < side / 2) & (
+    best, place = (0.0, 0.0), (max(0, (columns - side) // 2), max(0, (rows - side) // 2))
+    area = droplets.r_px**2
+    for top in _steps(rows - side, side // 2):
+        for left in _steps(columns - side, side // 2):
+            is_whole = _is_whole(droplets, left, top, (min(side, rows), min(side, columns)))
+            is_in = (np.abs(droplets.x_px - left - side / 2) < side / 2) & (
                 np.abs(droplets.y_px - top - side / 2) < side / 2
             )
-            area = float((droplets.r_px[inside] ** 2).sum())
-            if area > best and inside.any():
-                best, place = area, (left, top)
+            found = float(area[is_whole].sum()), float(area[is_in].sum())
+            if found > best:
+                best, place = found, (left, top)
     return place
+
+
+def _steps(last: int, step: int) -> list[int]:
+    """From 0 to `last`, which is among them."""
+    return sorted({*range(0, max(last, 0) + 1, max(step, 1)), max(last, 0)})
+
+
+def _is_whole(droplets: Droplets, left: int, top: int, shape: tuple[int, ...]) -> npt.NDArray[np.bool_]:
+    """Which droplets lie in a piece with their ring."""
+    x, y, r = droplets.x_px - left, droplets.y_px - top, droplets.r_px
+    rows, columns = shape
+    return (x > 1.5 * r) & (y > 1.5 * r) & (x < columns - 1.5 * r) & (y < rows - 1.5 * r)
 
 
 def _droplet(droplets: Droplets, left: int, top: int, shape: tuple[int, ...]) -> npt.NDArray[np.float64]:
     """The best match among the droplets that lie whole in the piece."""
-    x, y, r = droplets.x_px - left, droplets.y_px - top, droplets.r_px
-    rows, columns = shape
-    inside = (x > 1.5 * r) & (y > 1.5 * r) & (x < columns - 1.5 * r) & (y < rows - 1.5 * r)
+    inside = _is_whole(droplets, left, top, shape)
     if not inside.any():
         return np.empty(0)
     best = int(np.argmax(np.where(inside, droplets.match, -np.inf)))
-    return np.array([x[best], y[best], r[best]], np.float64)
+    return np.array([droplets.x_px[best] - left, droplets.y_px[best] - top, droplets.r_px[best]], np.float64)
 
 
 def _small(image: npt.NDArray[Any]) -> npt.NDArray[np.uint8]:

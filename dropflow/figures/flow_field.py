@@ -51,7 +51,9 @@ def flow_field(
     _fit_axes(figure, grid_x_px * pixel_size_um, grid_y_px * pixel_size_um, image, pixel_size_um)
     if droplets_px is not None:
         figure.add_trace(
-            circles(*(values * pixel_size_um for values in droplets_px), name="droplets", colour=VERMILION)
+            circles(
+                *(values * pixel_size_um for values in droplets_px), name=f"droplets, frame {frame}", colour=VERMILION
+            )
         )
     speed_um_s = np.hypot(*velocity_um_s)
     is_known = np.isfinite(speed_um_s)
@@ -59,11 +61,12 @@ def flow_field(
         return say_empty(figure, "no flow: no droplet was followed here")
     x_um, y_um = np.meshgrid(grid_x_px * pixel_size_um, grid_y_px * pixel_size_um)
     um_per_speed = _arrow_scale(grid_x_px, pixel_size_um, speed_um_s[is_known])
-    for name, which, colour in (
-        ("interpolated", is_known & is_interpolated, ORANGE),
-        ("from droplets", is_known & ~is_interpolated, SKY),
+    for name, which, colour, is_faint in (
+        ("flow, interpolated", is_known & is_interpolated, ORANGE, True),
+        ("flow, from droplets", is_known & ~is_interpolated, SKY, False),
     ):
-        figure.add_trace(_arrows(x_um, y_um, velocity_um_s, which, um_per_speed, name=name, colour=colour))
+        arrows = _arrows(x_um, y_um, velocity_um_s, which, um_per_speed, name=name, colour=colour)
+        figure.add_trace(arrows.update(opacity=0.55 if is_faint else 1))
     return figure
 
 
@@ -74,7 +77,7 @@ def circles(x: Floats, y: Floats, r: Floats, *, name: str, colour: str, n_corner
         x=(x[:, None] + r[:, None] * np.cos(angle)).ravel().astype(np.float32),
         y=(y[:, None] + r[:, None] * np.sin(angle)).ravel().astype(np.float32),
         mode="lines",
-        line={"color": colour, "width": 1},
+        line={"color": colour, "width": 1.5},
         name=name,
         hoverinfo="skip",
     )

@@ -43,7 +43,7 @@ def displacement(
         title=title or f"Displacement, frames {frame} and {frame + 1}",
         caption=caption,
     )
-    later = circles(*(values * pixel_size_um for values in next_px), name=f"frame {frame + 1}", colour=GREEN)
+    later = circles(*(values * pixel_size_um for values in next_px), name=f"droplets, frame {frame + 1}", colour=GREEN)
     return figure.add_trace(later)
 
 

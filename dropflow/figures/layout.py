@@ -1,5 +1,6 @@
 """How every figure looks: fit to print, one font, colours that colour-blind readers can tell apart."""
 
+import math
 from collections.abc import Mapping, Sequence
 from textwrap import wrap
 from typing import Any
@@ -103,10 +104,13 @@ def log_colour_bar(title: str, low: float, high: float) -> dict[str, Any]:
     """A colour bar for values drawn as their decadic logarithm, between log10 `low` and log10 `high`."""
     first, last = int(low // 1), int(-(-high // 1))
     exponents = list(range(first, last + 1, max(1, (last - first) // 8)))
+    ticks = {float(exponent): f"10<sup>{exponent}</sup>".replace("-", "−") for exponent in exponents}
+    if last - first <= 2:  # within so little there may be no power of ten
+        ticks |= {exponent + math.log10(part): str(part) for exponent in exponents for part in (2, 5)}
     return {
         "title": {"text": title, "side": "right"},
-        "tickvals": exponents,
-        "ticktext": [f"10<sup>{exponent}</sup>".replace("-", "−") for exponent in exponents],
+        "tickvals": list(ticks),
+        "ticktext": list(ticks.values()),
         "outlinewidth": 1,
         "ticks": "inside",
     }
@@ -115,6 +119,27 @@ def log_colour_bar(title: str, low: float, high: float) -> dict[str, Any]:
 def caption_of(provenance: Mapping[str, Any]) -> str:
     """Where a figure comes from, in one line: ``experiment: a · method: paper · dropflow: 0.1.0``."""
     return " · ".join(f"{name}: {value}" for name, value in provenance.items() if value not in (None, ""))
+
+
+def with_error(value: float, std: float = math.nan, unit: str = "") -> str:
+    """A number for people with as many digits as its error allows, ``(−2.46 ± 0.06)·10⁴ s/m²``; NaN is "not known"."""
+    if not math.isfinite(value):
+        return "not known"
+    size = math.floor(math.log10(abs(value))) if value else 0
+    power = size if size >= 4 or size <= -3 else 0
+    scale = 10.0**-power
+    if math.isfinite(std) and std > 0:
+        n_decimals = max(0, 1 - math.floor(math.log10(std * scale)))
+        text = f"{value * scale:.{n_decimals}f} ± {std * scale:.{n_decimals}f}"
+        text = f"({text})" if power else text
+    else:
+        text = f"{value * scale:.4g}"
+    if power:
+        text += f"·10{str(power).translate(_SUPERSCRIPT)}"
+    return f"{text} {unit}".strip().replace("-", "−")
+
+
+_SUPERSCRIPT = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 
 
 def time_axis(times_s: Any) -> tuple[float, str]:

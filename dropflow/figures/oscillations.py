@@ -7,7 +7,14 @@ import numpy.typing as npt
 import plotly.graph_objects as go
 
 from dropflow.figures.layout import BLACK, BLUE, GREEN, PURPLE, SKY, VERMILION, new_figure, say_empty, time_axis
-from dropflow.statistics.oscillations import LATER_THEORY_EXPONENT, Oscillations, PeriodLaw, driving_group, period_law
+from dropflow.statistics.oscillations import (
+    LATER_THEORY_EXPONENT,
+    Oscillations,
+    PeriodLaw,
+    Signal,
+    driving_group,
+    period_law,
+)
 
 Floats = npt.NDArray[np.float64]
 
@@ -22,12 +29,20 @@ _GROUPS = (
 """Name, colour and symbol of each group of Fig. 15."""
 
 
+_SIGNALS = {
+    Signal.N_DROPLETS: "number of droplets",
+    Signal.N_SMALL: "number of small droplets",
+    Signal.MEAN_RADIUS: "mean radius",
+    Signal.SAUTER_RADIUS: "Sauter radius",
+}
+
+
 def oscillating_signal(found: Oscillations, *, title: str = "Oscillations", caption: str = "") -> go.Figure:
     """The signal's relative deviation from its trend, with certain peaks filled and uncertain ones open."""
     figure = new_figure(title, caption, height_px=420)
     factor, unit = time_axis(found.time_s)
     figure.update_xaxes(title_text=f"time t ({unit})")
-    figure.update_yaxes(title_text=f"{found.signal_name.replace('_', ' ')} over its trend − 1")
+    figure.update_yaxes(title_text=f"{_SIGNALS[found.signal_name]} over its trend − 1")
     if not len(found.peak_s):
         return say_empty(figure, "no oscillation stands out of the noise")
     figure.add_scatter(

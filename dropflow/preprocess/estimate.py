@@ -12,6 +12,9 @@ import numpy.typing as npt
 from dropflow.errors import ResultsError
 from dropflow.preprocess.stripes import NO_STRIPES, Direction, Stripes
 
+ESTIMATE_FILE = "estimate.npz"
+"""What a stack estimate is kept as beside what else a run made."""
+
 
 @dataclass(frozen=True, eq=False)
 class StackEstimate:

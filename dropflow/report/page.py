@@ -10,6 +10,7 @@ import plotly.io
 import yaml
 from plotly.offline import get_plotlyjs
 
+from dropflow.figures.example import Example
 from dropflow.figures.static import ImageFormat, write_images
 from dropflow.physics.temperature_log import TemperatureLog
 from dropflow.report.frames import FrameSource
@@ -64,13 +65,17 @@ def write_report(
     signal: Signal = Signal.N_DROPLETS,
     temperature: TemperatureLog | None = None,
     images: tuple[Path, ImageFormat] | None = None,
+    example: Example | None = None,
 ) -> list[str]:
     """Write the report of an analysis; return its warnings. The file appears whole or not at all.
 
-    `images` names a folder, and the format in which each figure is to be written into it as well.
+    `images` names a folder, and the format in which each figure is to be written into it as well. `example` is the
+    frame to show in place of the one in the middle of the film, which the analysis kept.
     """
     found = Findings(results.facts, results.condensed, signal=signal, temperature=temperature)
-    report = make_report(found, results.summary, FrameSource(results.trajectories, results.flow, results.example))
+    report = make_report(
+        found, results.summary, FrameSource(results.trajectories, results.flow, example or results.example)
+    )
     output.parent.mkdir(parents=True, exist_ok=True)
     unfinished = output.with_name(output.name + ".part")
     unfinished.write_text(report.html, encoding="utf-8")

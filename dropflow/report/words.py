@@ -1,10 +1,10 @@
 """What a report says in words: warnings, methods, and the numbers at a glance."""
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
-
+from dropflow.figures.layout import with_error
 from dropflow.statistics.findings import Findings
 
 Summary = Mapping[str, Any]
@@ -42,6 +42,7 @@ def methods_of(found: Findings, summary: Summary) -> str:
     """A paragraph for the methods section of a paper."""
     experiment, parameters = found.facts.experiment, found.facts.parameters
     detection = parameters.detection
+    delta_density = with_error(found.material.delta_density_kg_m3, unit="kg/m³")
     return (
         f"{found.facts.n_frames} frames of {found.facts.field_um[0]:.0f} × {found.facts.field_um[1]:.0f} µm² "
         f"({experiment.pixel_size_um:g} µm per pixel) over {float(summary['duration_s']):.0f} s were analysed "
@@ -49,7 +50,7 @@ def methods_of(found: Findings, summary: Summary) -> str:
         f"{parameters.tracking.method}) after Lapp, Rohloff, Vollmer and Hof, Particle tracking for polydisperse "
         f"sedimenting droplets in phase separation, Exp. Fluids. Droplets with radii from {detection.radius_min_um:g} "
         f"to {detection.radius_max_um:g} µm were detected. Their velocities were split into the Stokes velocity "
-        f"(density difference {found.material.delta_density_kg_m3:g} kg/m³, viscosity "
+        f"(density difference {delta_density}, viscosity "
         f"{found.material.viscosity_pa_s:.3g} Pa s) and the flow, which was computed on {parameters.flow.n_columns} × "
         f"{parameters.flow.n_rows} cells. {len(found.trajectories)} trajectories passed the consistency check."
     )
@@ -67,36 +68,30 @@ def numbers_of(found: Findings, summary: Summary) -> dict[str, str]:
         "droplets in trajectories": str(tracked["n_droplets"]),
         "trajectories": str(len(found.trajectories)),
         "rejected trajectories": ", ".join(f"{count} {reason}" for reason, count in rejected.items()) or "none",
-        "mean radius": _with_unit(tracked["mean_radius_um"], "µm"),
-        "Sauter radius": _with_unit(tracked["sauter_radius_um"], "µm"),
-        "relative scatter of radii": _with_error(100 * found.scatter.relative, 100 * found.scatter.relative_std, "%"),
-        "Δρ/η from velocities": _with_error(calibration.density_over_viscosity_s_m2, calibration.std_s_m2, "s/m²"),
-        "Δρ/η of the material": _with_unit(found.calibration.expected_s_m2, "s/m²"),
-        "correlation length of the flow": _with_error(
+        "mean radius": _known(tracked["mean_radius_um"], "µm"),
+        "Sauter radius": _known(tracked["sauter_radius_um"], "µm"),
+        "relative scatter of radii": with_error(100 * found.scatter.relative, 100 * found.scatter.relative_std, "%"),
+        "Δρ/η from velocities": with_error(calibration.density_over_viscosity_s_m2, calibration.std_s_m2, "s/m²"),
+        "Δρ/η of the material": with_error(found.calibration.expected_s_m2, unit="s/m²"),
+        "correlation length of the flow": with_error(
             found.correlation.length_um, found.correlation.length_std_um, "µm"
         ),
-        "correlation time of the flow": _with_error(found.correlation.time_s, found.correlation.time_std_s, "s"),
+        "correlation time of the flow": with_error(found.correlation.time_s, found.correlation.time_std_s, "s"),
         "coalescences": str(len(found.events)),
         "oscillations": str(len(found.oscillations.peak_s)),
-        "mean period": _with_unit(float(law.mean()) if len(law) else None, "s"),
+        "mean period": _known(float(law.mean()) if len(law) else None, "s"),
         "driving parameter ξ": _driving(found),
-        "depth over radius": _with_error(found.depth.per_radius, found.depth.per_radius_std, ""),
+        "depth over radius": with_error(found.depth.per_radius, found.depth.per_radius_std, ""),
     }
+
+
+def _known(value: float | None, unit: str) -> str:
+    return with_error(math.nan if value is None else value, unit=unit)
 
 
 def _driving(found: Findings) -> str:
     driving = found.driving
-    return "not known" if driving is None else _with_error(driving.mean_per_s, driving.mean_std_per_s, "1/s")
-
-
-def _with_unit(value: float | None, unit: str) -> str:
-    return f"{value:.4g} {unit}" if value is not None and np.isfinite(value) else "not known"
-
-
-def _with_error(value: float, std: float, unit: str) -> str:
-    if not np.isfinite(value):
-        return "not known"
-    return f"{value:.4g} ± {std:.2g} {unit}".strip() if np.isfinite(std) else f"{value:.4g} {unit}".strip()
+    return "not known" if driving is None else with_error(driving.mean_per_s, driving.mean_std_per_s, "1/s")
 
 
 def parameters_of(found: Findings) -> dict[str, Any]:

@@ -15,6 +15,7 @@ import zarr
 from dropflow import analysis
 from dropflow.experiment import parse_experiment
 from dropflow.figures.catalogue import CATALOGUE, Group
+from dropflow.figures.example import WORKING_PANELS
 from dropflow.parameters import parse_parameters
 from tests.films import EXPERIMENT, PARAMETERS, film
 from tests.house import House, Json
@@ -227,6 +228,17 @@ def test_a_figure_of_one_frame_needs_the_frame(shared_house: House, run: Json) -
     answer = shared_house.api.get(f"runs/{run['id']}/figures/flow_field")
     assert answer.status_code == 422
     assert answer.json()["errors"][0]["field"] == "frame"
+
+
+@pytest.mark.parametrize("name", WORKING_PANELS)
+def test_steps_of_detection_are_drawn_of_any_frame(shared_house: House, run: Json, name: str) -> None:
+    address = f"runs/{run['id']}/figures/{name}"
+    kept = shared_house.ok(shared_house.api.get(address))["layout"]
+    drawn = [shared_house.ok(shared_house.api.get(f"{address}?frame={frame}"))["layout"] for frame in (3, 5)]
+    said = [" ".join(note["text"] for note in layout["annotations"]) for layout in (kept, *drawn)]
+    assert said[0] == said[1], "the frame in the middle is the one that is kept"
+    assert "Frame 5, " in said[2]
+    assert shared_house.api.get(f"{address}?frame=6").json()["code"] == "results.not_yet"
 
 
 @pytest.mark.parametrize(

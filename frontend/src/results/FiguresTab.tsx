@@ -1,4 +1,4 @@
-import { Button, NavLink, Paper, Select, Stack, Text } from "@mantine/core";
+import { Button, NavLink, NumberInput, Paper, Select, Stack, Text } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import type { Experiment, FigureEntry, Run } from "../client";
 import { frameSource } from "../frames/source";
@@ -40,9 +40,12 @@ function Figures({ run, experiment, entries }: { run: Run; experiment: Experimen
   const shown = entries.find(({ name }) => name === search.figure) ?? entries.find((one) => one.is_available);
   if (!shown) return <Text c="dimmed">There is no figure yet.</Text>;
   const needs = new Set(shown.parameters.filter((one) => one.is_required).map(({ name }) => name));
+  const takesFrame = shown.parameters.some(({ name }) => name === "frame");
   const last = Math.max(0, (frameSource(experiment)?.n_frames ?? 2) - 2);
   const more: Asked = {
-    ...(needs.has("frame") ? { frame: Math.min(search.frame ?? 0, last) } : {}),
+    ...(takesFrame && (needs.has("frame") || search.frame !== undefined)
+      ? { frame: Math.min(search.frame ?? 0, last) }
+      : {}),
     ...(needs.has("trajectory") ? { trajectory: search.droplet } : {}),
   };
   const lacksDroplet = needs.has("trajectory") && search.droplet === undefined;
@@ -85,6 +88,20 @@ function Figures({ run, experiment, entries }: { run: Run; experiment: Experimen
               Of a range only: show everything
             </Button>
           </div>
+        )}
+        {takesFrame && (
+          <NumberInput
+            label="Frame"
+            w={140}
+            min={0}
+            max={last}
+            clampBehavior="strict"
+            allowDecimal={false}
+            allowNegative={false}
+            placeholder={needs.has("frame") ? "0" : "the middle one"}
+            value={search.frame ?? ""}
+            onChange={(frame) => change({ frame: typeof frame === "number" ? frame : undefined })}
+          />
         )}
         {lacksDroplet ? (
           <Paper withBorder p="md">

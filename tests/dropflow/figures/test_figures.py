@@ -1,4 +1,5 @@
 import json
+import math
 
 import numpy as np
 import plotly.graph_objects as go
@@ -6,6 +7,7 @@ import pyarrow as pa
 import pytest
 
 from dropflow import figures
+from dropflow.figures.layout import log_colour_bar, with_error
 from dropflow.statistics.histograms import FrameHistograms, frame_histograms, merge, radius_edges_um
 
 EDGES_UM = radius_edges_um(4.0, 40.0)
@@ -70,9 +72,9 @@ def test_computed_and_interpolated_arrows_stand_apart_in_micrometres() -> None:
         velocity, is_interpolated, np.arange(4) * 100.0, np.arange(3) * 100.0, pixel_size_um=0.5, frame=7
     )
     arrows = {trace.name: trace for trace in figure.data}
-    assert len(arrows["interpolated"].x) == 2
-    assert len(arrows["from droplets"].x) == 10
-    assert max(arrows["from droplets"].x) == 150.0
+    assert len(arrows["flow, interpolated"].x) == 2
+    assert len(arrows["flow, from droplets"].x) == 10
+    assert max(arrows["flow, from droplets"].x) == 150.0
     assert "frame 7" in figure.layout.title.text
 
 
@@ -111,3 +113,27 @@ def test_a_caption_stands_under_the_figure() -> None:
     caption = figures.caption_of({"experiment": "ramp 3", "method": "paper", "note": None})
     assert caption == "experiment: ramp 3 · method: paper"
     assert "ramp 3" in words_of(figures.moments(simulated_histograms(2), area_um2=1.0, caption=caption))
+
+
+@pytest.mark.parametrize(
+    ("value", "std", "said"),
+    [
+        (-24598.2, 631.4, "(−2.460 ± 0.063)·10⁴ s/m²"),
+        (1.6586, 0.14, "1.66 ± 0.14 s/m²"),
+        (108.85, 4.53, "108.8 ± 4.5 s/m²"),
+        (2.3e-5, 4e-6, "(2.30 ± 0.40)·10⁻⁵ s/m²"),
+        (3.0, math.nan, "3 s/m²"),
+        (-25000.0, math.nan, "−2.5·10⁴ s/m²"),
+        (0.0, 0.3, "0.00 ± 0.30 s/m²"),
+        (250.0, 0.0, "250 s/m²"),
+        (math.nan, 1.0, "not known"),
+    ],
+)
+def test_numbers_have_as_many_digits_as_their_errors_allow(value: float, std: float, said: str) -> None:
+    assert with_error(value, std, "s/m²") == said
+
+
+def test_a_colour_bar_within_one_decade_has_more_than_one_tick() -> None:
+    bar = log_colour_bar("n", 0.0, math.log10(7))
+    shown = [text for at, text in zip(bar["tickvals"], bar["ticktext"], strict=True) if 0 <= at <= math.log10(7)]
+    assert len(shown) >= 3

@@ -106,7 +106,7 @@ def test_displacement_shows_red_green_and_arrows() -> None:
         pixel_size_um=0.5,
         frame=4,
     )
-    assert {"droplets", "from droplets", "frame 5"} <= {trace.name for trace in figure.data}
+    assert {"droplets, frame 4", "flow, from droplets", "droplets, frame 5"} <= {trace.name for trace in figure.data}
 
 
 @pytest.mark.parametrize(("direction", "number", "expected"), [("forward", 0, 12.0), ("backward", 1, 8.0)])

@@ -129,3 +129,14 @@ def test_a_folder_without_results_is_one_line_and_exit_code_2(
     assert ended.value.code == 2
     assert len(capsys.readouterr().err.strip().splitlines()) == 1
     assert not (tmp_path / "report.html").exists()
+
+
+@pytest.mark.parametrize("words", [["--frame", "3"], ["--stack", "frames"]])
+def test_another_frame_needs_the_stack(
+    results_folder: Path, words: list[str], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(sys, "argv", ["dropflow", "report", str(results_folder), *words])
+    with pytest.raises(SystemExit) as ended:
+        main()
+    assert ended.value.code == 2
+    assert "--frame and --stack together" in capsys.readouterr().err

@@ -21,12 +21,18 @@ def test_waves_put_into_frames_come_out_of_the_report(tmp_path: Path, monkeypatc
     film, results = tmp_path / "film", tmp_path / "results"
     write_oscillating(film, scenario=scenario, waves=waves, seed=3)
     words = ["analyse", str(film / "frames"), "--experiment", str(film / "experiment.yaml"), "--output", str(results)]
-    for command in ([*words, "--jobs", "1"], ["report", str(results), "-o", str(tmp_path / "report.html")]):
+    other = ["--frame", "20", "--stack", str(film / "frames")]
+    for command in (
+        [*words, "--jobs", "1"],
+        ["report", str(results), "-o", str(tmp_path / "report.html")],
+        ["report", str(results), "-o", str(tmp_path / "other.html"), *other],
+    ):
         monkeypatch.setattr(sys, "argv", ["dropflow", *command])
         with pytest.raises(SystemExit) as ended:
             main()
         assert not ended.value.code
     assert (tmp_path / "report.html").stat().st_size > 1e6
+    assert "Frame 20, from" in (tmp_path / "other.html").read_text()
     opened = open_results(results)
     found = Findings(opened.facts, opened.condensed)
     true_s = np.diff(waves.starts_s[1:5])
