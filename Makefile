@@ -9,6 +9,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 REQUIREMENTS := $(VENV)/.requirements-installed
 EDITABLE := $(VENV)/.dropflow-installed
+COMPILED := $(VENV)/.compiled
 NODE_MODULES := frontend/node_modules/.package-lock.json
 PAGE := frontend/dist/index.html
 PAGE_SOURCES := $(shell find frontend -mindepth 1 \( -name node_modules -o -name dist \) -prune -o -print 2>/dev/null)
@@ -25,12 +26,12 @@ export PORT DATA PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .SILENT:
 .DELETE_ON_ERROR:
-.PHONY: help setup python page browser run sign-in test test-full test-page lint types bench bench-detection bench-tracking docs lock clean
+.PHONY: help setup python compiled page browser run sign-in test test-full test-page lint types bench bench-detection bench-tracking docs lock clean
 
 help: ## say what can be made
 	sed -n 's/^\([a-z-]*\):[^#]*## \(.*\)/  make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 20
 
-setup: python page browser ## install everything, once
+setup: python compiled page browser ## install everything, once
 
 run: python page ## start Dropflow here: PORT=8000 DATA=data
 	exec $(WITH_ME) $(BIN)/python -m deploy.local
@@ -81,6 +82,9 @@ clean: ## remove what was installed and built; DATA stays
 
 python: $(EDITABLE)
 
+# numba compiles at first use; a first preview would wait for it.
+compiled: $(COMPILED)
+
 page: $(PAGE)
 
 browser:
@@ -96,6 +100,11 @@ $(REQUIREMENTS): requirements.lock | $(BIN)/python
 
 $(EDITABLE): pyproject.toml $(REQUIREMENTS)
 	$(BIN)/python -m pip install --quiet --no-deps --no-build-isolation --editable .
+	touch $@
+
+$(COMPILED): $(EDITABLE)
+	echo "Compiling for this processor (about a minute) ..."
+	$(ONE_THREAD) $(BIN)/dropflow compile > /dev/null
 	touch $@
 
 $(NODE_MODULES): frontend/package-lock.json frontend/package.json

@@ -24,6 +24,7 @@ from backend.people.endpoints import account_router, invitations_router, people_
 from backend.people.service import ensure_local_people, ensure_local_secrets, has_administrator
 from backend.planning.endpoints import router as planning
 from backend.platform import problems
+from backend.platform.asked_for import NamedRequests
 from backend.platform.bodies import BoundedBodies
 from backend.platform.database import make_engine, make_sessions
 from backend.platform.dependencies import Platform
@@ -40,6 +41,7 @@ from backend.platform.queue import Queue
 from backend.platform.rates import Rates
 from backend.platform.settings import Settings, environment_settings
 from backend.platform.stopping import before_stopping
+from backend.platform.tracing import start_tracing, stop_tracing
 from backend.presets.endpoints import router as presets
 from backend.previews.endpoints import of_runs as detections
 from backend.previews.endpoints import router as previews
@@ -76,8 +78,10 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     if settings.auth == "local":
         app.add_middleware(LocalOnly)
     app.add_middleware(Measured, measures=app.state.measures)
+    app.add_middleware(NamedRequests)
     app.include_router(operations)
     install_page(app, settings.frontend_dist)
+    start_tracing(settings.otel_exporter_otlp_endpoint, "dropflow-api", app)
     return app
 
 
@@ -133,6 +137,7 @@ def _lifespan(settings: Settings) -> Lifespan[FastAPI]:
             app.state.open_stacks.close()
             platform.queue.close()
             engine.dispose()
+            stop_tracing()
 
     return lifespan
 

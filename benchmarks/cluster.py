@@ -1,50 +1,71 @@
 """How far database and queue carry: workers that sleep instead of computing, on real tables of a large laboratory.
 
-    python -m benchmarks.cluster [--workers 200] [--runs 100] [--frames 20000] [--seconds 60] [--pause-s 1.0]
+    python -m benchmarks.cluster [--workers 200] [--hosts 5] [--runs 100] [--frames 20000] [--seconds 150]
+                                 [--shard-s 20]
 
-Each worker claims, is silent for the pause, and publishes, by the code of the real ones. A real shard takes 20 s, so
-a pause of 1 s stands for 20 times as many workers. A claim is what a worker waits for before it may begin.
+Every worker is a process of its own, below Celery as in a deployment: it hears a message from Valkey, claims in
+Postgres, says after each frame how far it is, and publishes; a reconciler runs beside. Only the computing is slept.
+With --hosts they run in network namespaces (needs root), and Postgres and Valkey are reached over a bridge. A shard
+takes 20 s on average; --shard-s 2 stands for ten times as many workers.
+
+A claim is what passes from a worker's looking for work until it may begin; to publish is what passes after the work.
 """
 
 import argparse
-import multiprocessing
-import random
-import statistics
+import os
+import sys
 import tempfile
-import threading
 import time
-from collections import Counter
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
-from multiprocessing.sharedctypes import Synchronized
-from multiprocessing.synchronize import Barrier
 from pathlib import Path
 from uuid import UUID, uuid4
 
-from sqlalchemy import create_engine, insert, text
+from sqlalchemy import Connection, create_engine, insert, text
 from sqlalchemy.orm import Session
 
 from backend.models import Experiment, Group, Person, Run, Shard, Stack, Stage
-from backend.platform.settings import Settings
+from backend.platform.queue import Queue
+from backend.platform.settings import with_driver
+from benchmarks.hosts import Network, network
+from deploy.local.postgres import Postgres, new_password
+from deploy.local.processes import Child, start
+from deploy.local.services import ONE_THREAD
+from deploy.local.valkey import Valkey
 from tests.films import EXPERIMENT, PARAMETERS
-from tests.services import MIGRATED, database, migrate, running_postgres, running_valkey
-from worker import outcomes, shards
-from worker.context import Context, make_context
-from worker.leases import Lease
-from worker.outcomes import NewProduct
-from worker.plan import Task
+from tests.services import MIGRATED, ROOT, migrate
 
 FRAMES_PER_SHARD = 50
 PEOPLE = 10
-SIZES = bytes(2000)
+_START_S = 150.0
+_SIZE = """
+SELECT pg_total_relation_size(oid), (xpath('/row/n/text()', query_to_xml('SELECT count(*) AS n FROM ' || relname,
+       false, true, '')))[1]::text::bigint FROM pg_class WHERE relname = :name AND relkind = 'r'
+"""
+TABLES = ("shard", "product", "frame_summary", "run")
 
 
-@dataclass
-class Seen:
-    """What the workers of one process saw."""
+@dataclass(frozen=True)
+class Servers:
+    """Where the workers find what they work with."""
 
-    claims_s: list[float]
-    persons: Counter[str]
-    runs: Counter[str]
+    database_url: str
+    redis_url: str
+    folder: Path
+
+    def environment(self, **more: str) -> dict[str, str]:
+        """The settings of a process."""
+        return {
+            **os.environ, **ONE_THREAD,
+            "DATABASE_URL": self.database_url,
+            "REDIS_URL": self.redis_url,
+            "OBJECT_STORE_URL": (self.folder / "objects").as_uri(),
+            "WORK_DIR": str(self.folder / "work"),
+            "LOG_LEVEL": "WARNING",
+            "REMAP_SIGTERM": "SIGQUIT",
+            **more,
+        }  # fmt: skip
 
 
 def fill(session: Session, *, n_runs: int, n_frames: int) -> None:
@@ -84,125 +105,173 @@ def shard_rows(experiment_id: UUID, run_id: UUID, person_id: UUID, n_frames: int
             "run_id": run_id,
             "person_id": person_id,
             "task": "detect",
-            "start_frame": start,
-            "stop_frame": min(start + FRAMES_PER_SHARD, n_frames),
+            "start_frame": start_frame,
+            "stop_frame": min(start_frame + FRAMES_PER_SHARD, n_frames),
             "input_key": uuid4().hex,
         }
-        for start in range(0, n_frames, FRAMES_PER_SHARD)
+        for start_frame in range(0, n_frames, FRAMES_PER_SHARD)
     ]
 
 
-def work(
-    settings: Settings,
-    n_threads: int,
-    pause_s: float,
-    until: "Synchronized[float]",
-    ready: Barrier,
-    results: "multiprocessing.Queue[Seen]",
-) -> None:
-    """The workers of one process, a thread each."""
-    seen, lock = Seen([], Counter(), Counter()), threading.Lock()
-    began = threading.local()
-    contexts = [make_context(settings) for _ in range(n_threads)]
-
-    def sleep(context: Context, lease: Lease) -> None:
-        with lock:
-            seen.claims_s.append(time.perf_counter() - began.at)
-            seen.runs[str(lease.claim.run_id)] += 1
-        time.sleep(random.uniform(0.5, 1.5) * pause_s)
-        outcomes.publish(context, lease.claim, NewProduct(prefix=f"benchmark/{uuid4()}/", sizes=SIZES))
-
-    shards.WORK = {Task.DETECT: sleep}  # type: ignore[misc]
-
-    def one(context: Context) -> None:
-        time.sleep(random.uniform(0, pause_s))
-        while time.time() < until.value:
-            began.at = time.perf_counter()
-            shards.look_in(context, "shards")
-
-    ready.wait()
-    threads = [threading.Thread(target=one, args=(context,)) for context in contexts]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    results.put(seen)
-
-
-def measure(url: str, redis_url: str, folder: Path, given: argparse.Namespace) -> None:
-    settings = Settings(
-        database_url=url,
-        redis_url=redis_url,
-        object_store_url=(folder / "objects").as_uri(),
-        work_dir=folder / "work",
-        log_level="ERROR",
+@contextmanager
+def servers(net: Network, folder: Path, n_workers: int) -> Iterator[Servers]:
+    """Postgres and Valkey as a deployment has them: every commit is on the disk before it counts."""
+    postgres = Postgres(
+        folder / "postgres",
+        password=new_password(),
+        log=folder / "postgres.log",
+        max_connections=3 * n_workers + 60,
+        address=net.address,
     )
-    engine = create_engine(settings.database_url)
-    began = time.perf_counter()
+    valkey = Valkey(folder / "valkey", password=new_password(), log=folder / "valkey.log", address=net.address)
+    with ExitStack() as stack:
+        for server in (postgres, valkey):
+            stack.callback(server.start().stop)
+        postgres.create_database(MIGRATED)
+        migrate(postgres.url(MIGRATED))
+        yield Servers(postgres.url(MIGRATED), valkey.url(0), folder)
+
+
+@contextmanager
+def sleepers(there: Servers, net: Network, given: argparse.Namespace) -> Iterator[None]:
+    """A main process of Celery on each host, with its share of the workers, and a reconciler."""
+    notes = there.folder / "notes"
+    notes.mkdir()
+    environment = there.environment(BENCHMARK_SHARD_S=str(given.shard_s), BENCHMARK_NOTES=str(notes))
+    children: list[Child] = []
+    celery = ("-m", "celery", "--app", "benchmarks.sleeping", "worker", "--queues", "shards")
+    for number, host in enumerate(net.hosts):
+        share = given.workers // len(net.hosts)
+        named = ("--concurrency", str(share), "--hostname", f"shards@host{number}", "--without-gossip")
+        command = [*host, sys.executable, *celery, *named, "--without-mingle"]
+        log = there.folder / f"host{number}.log"
+        children.append(start("worker", command, log=log, environment=environment, folder=ROOT))
+    reconciler = [sys.executable, "-m", "worker.reconcile"]
+    log = there.folder / "reconciler.log"
+    children.append(start("reconciler", reconciler, log=log, environment=environment, folder=ROOT))
+    try:
+        yield
+    finally:
+        for child in children:
+            child.ask_to_stop()
+        for child in children:
+            child.stop()
+        for number in range(len(net.hosts)):
+            if words := (there.folder / f"host{number}.log").read_text().strip():
+                print(f"  host {number} said: {words.splitlines()[-1][:200]}")
+
+
+def measure(there: Servers, net: Network, given: argparse.Namespace) -> None:
+    engine = create_engine(with_driver(there.database_url))
+    began_s = time.perf_counter()
     with Session(engine) as session, session.begin():
         fill(session, n_runs=given.runs, n_frames=given.frames)
     with engine.connect().execution_options(isolation_level="AUTOCOMMIT") as connection:
         connection.execute(text("ANALYZE"))
-        n_shards = connection.execute(text("SELECT count(*) FROM shard")).scalar_one()
-        made_s = time.perf_counter() - began
+        n_shards = _one(connection, "SELECT count(*) FROM shard")
+        made_s = time.perf_counter() - began_s
         print(f"{given.runs} runs of {given.frames} frames: {n_shards:,} shards, made in {made_s:.0f} s")
-        spawn = multiprocessing.get_context("spawn")
-        until, ready = spawn.Value("d", 0.0), spawn.Barrier(given.processes + 1)
-        results: multiprocessing.Queue[Seen] = spawn.Queue()
-        share = given.workers // given.processes
-        arguments = (settings, share, given.pause_s, until, ready, results)
-        processes = [spawn.Process(target=work, args=arguments) for _ in range(given.processes)]
-        for process in processes:
-            process.start()
-        until.value = time.time() + 3600
-        ready.wait()
-        until.value = time.time() + given.seconds
-        seen = [results.get() for _ in processes]
-        for process in processes:
-            process.join()
-        report(given, [s for part in seen for s in part.claims_s], sum((part.runs for part in seen), Counter()))
-        sizes = "SELECT relname, pg_total_relation_size(oid) FROM pg_class WHERE relname = ANY(:names)"
-        for name, size in connection.execute(text(sizes), {"names": ["shard", "product", "frame_summary", "run"]}):
-            print(f"  table {name:14} {size / 1e6:8.1f} MB")
-        fair = (
-            connection.execute(
-                text("SELECT count(*) FROM shard WHERE state = 'completed' GROUP BY person_id ORDER BY 1")
-            )
-            .scalars()
-            .all()
-        )
-        print(f"  shards done a person: {min(fair)} to {max(fair)} ({len(fair)} of {PEOPLE} people)")
+        queue, began_s = Queue(there.redis_url), time.perf_counter()
+        for _ in range(n_shards):
+            queue.wake("detect")
+        print(f"  {n_shards:,} messages sent, {n_shards / (time.perf_counter() - began_s):.0f}/s")
+        with sleepers(there, net, given):
+            _await_all_at_work(connection, given.workers)
+            began = _state(connection)
+            time.sleep(given.seconds)
+            ended = _state(connection)
+        report(connection, given, began, ended, there.folder / "notes")
+        queue.close()
     engine.dispose()
 
 
-def report(given: argparse.Namespace, claims_s: list[float], runs: "Counter[str]") -> None:
-    ordered = sorted(claims_s)
-    at = lambda share: 1000 * ordered[min(int(share * len(ordered)), len(ordered) - 1)]  # noqa: E731
-    print(
-        f"  {given.workers} workers, pause {given.pause_s} s: {len(ordered) / given.seconds:.1f} claims/s "
-        f"(at most {given.workers / given.pause_s:.0f} possible)"
+@dataclass(frozen=True)
+class State:
+    """What stands in the database at a time."""
+
+    time_s: float
+    n_completed: int
+    n_running: int
+    n_commits: int
+
+
+def _state(connection: Connection) -> State:
+    count = "SELECT count(*) FROM shard WHERE state = "
+    commits = "SELECT xact_commit FROM pg_stat_database WHERE datname = current_database()"
+    return State(
+        time.time(),
+        _one(connection, f"{count}'completed'"),
+        _one(connection, f"{count}'running'"),
+        _one(connection, commits),
     )
-    print(
-        f"  a claim: median {1000 * statistics.median(ordered):.1f} ms, p95 {at(0.95):.1f} ms, p99 {at(0.99):.1f} ms; "
-        f"{len(runs)} runs were served"
-    )
+
+
+def _await_all_at_work(connection: Connection, n_workers: int) -> None:
+    deadline = time.monotonic() + _START_S
+    while (n := _state(connection).n_running) < 0.95 * n_workers:
+        if time.monotonic() > deadline:
+            raise SystemExit(f"After {_START_S:.0f} s only {n} of {n_workers} workers are at work.")
+        time.sleep(0.5)
+
+
+def report(connection: Connection, given: argparse.Namespace, began: State, ended: State, notes: Path) -> None:
+    seconds = ended.time_s - began.time_s
+    lines = [
+        [float(word) for word in line.split()] for file in notes.iterdir() for line in file.read_text().splitlines()
+    ]
+    lines = [line for line in lines if began.time_s <= line[0] <= ended.time_s]
+    n_done = ended.n_completed - began.n_completed
+    possible = given.workers / given.shard_s
+    print(f"{given.workers} workers, {given.hosts or 'no'} hosts, shards of {given.shard_s:g} s, {seconds:.0f} s:")
+    print(f"  {n_done / seconds:.1f} shards/s of {possible:.1f} possible; {ended.n_running} at work at the end")
+    print(f"  {(ended.n_commits - began.n_commits) / seconds:.0f} transactions/s in Postgres")
+    for name, column in (("claim", 1), ("publish", 2)):
+        print(f"  to {name}: {_percentiles([line[column] for line in lines])}")
+    people = "SELECT count(*) FROM shard WHERE state = 'completed' GROUP BY person_id ORDER BY 1"
+    fair = connection.execute(text(people)).scalars().all()
+    print(f"  shards done a person: {min(fair)} to {max(fair)} ({len(fair)} of {PEOPLE} people)")
+    expired = _one(connection, "SELECT coalesce(sum(count), 0) FROM tally WHERE name = 'lease_expiries'")
+    again = _one(connection, "SELECT count(*) FROM shard WHERE attempts > 1 AND state <> 'queued'")
+    print(f"  leases that expired: {expired}; shards done more than once: {again}")
+    for name in TABLES:
+        size, n_rows = connection.execute(text(_SIZE), {"name": name}).one()
+        print(f"  table {name:14} {size / 1e6:8.1f} MB, {n_rows:,} rows")
+
+
+def _percentiles(values: Sequence[float]) -> str:
+    ordered = sorted(values)
+    at = [1000 * ordered[min(int(share * len(ordered)), len(ordered) - 1)] for share in (0.5, 0.95, 0.99)]
+    return f"median {at[0]:.1f} ms, p95 {at[1]:.1f} ms, p99 {at[2]:.1f} ms, longest {1000 * ordered[-1]:.0f} ms"
+
+
+def _check_memory(n_workers: int) -> None:
+    """Too many processes for this machine would end those of others."""
+    (line,) = (line for line in Path("/proc/meminfo").read_text().splitlines() if line.startswith("MemAvailable"))
+    free_mb, needed_mb = int(line.split()[1]) / 1024, 1000 + 45 * n_workers
+    if free_mb < 1.3 * needed_mb:
+        raise SystemExit(f"{n_workers} workers need {needed_mb:.0f} MB; {free_mb:.0f} MB are free. Try --workers.")
+
+
+def _one(connection: Connection, query: str) -> int:
+    return int(connection.execute(text(query)).scalar_one())
 
 
 def main() -> None:
     """Fill, work, report."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--workers", type=int, default=200)
-    parser.add_argument("--processes", type=int, default=4)
+    parser.add_argument("--hosts", type=int, default=0)
     parser.add_argument("--runs", type=int, default=100)
     parser.add_argument("--frames", type=int, default=20_000)
-    parser.add_argument("--seconds", type=float, default=60.0)
-    parser.add_argument("--pause-s", type=float, default=5.0)
+    parser.add_argument("--seconds", type=float, default=150.0)
+    parser.add_argument("--shard-s", type=float, default=20.0)
     given = parser.parse_args()
-    with running_postgres() as server, running_valkey() as queue, tempfile.TemporaryDirectory() as scratch:
-        server.create_database(MIGRATED)
-        migrate(server.url(MIGRATED))
-        with database(server, template=MIGRATED) as url:
-            measure(url, queue.url(0), Path(scratch), given)
+    _check_memory(given.workers)
+    with tempfile.TemporaryDirectory() as scratch, network(given.hosts) as net:
+        folder = Path(scratch)
+        folder.chmod(0o755)
+        with servers(net, folder, given.workers) as there:
+            measure(there, net, given)
 
 
 if __name__ == "__main__":

@@ -21,20 +21,20 @@ _WEED = Path(sys.executable).with_name("weed")
 
 
 @contextmanager
-def running_s3() -> Iterator[int]:
+def running_s3(address: str = "127.0.0.1") -> Iterator[int]:
     """SeaweedFS from its wheel; yields its port."""
     with scratch_folder() as folder:
         port = free_port()
         ports = {name: free_port() for name in ("master", "volume", "filer")}
         command = [
-            _WEED, "mini", f"-dir={folder}", "-ip=127.0.0.1", "-ip.bind=127.0.0.1", f"-s3.port={port}",
+            _WEED, "mini", f"-dir={folder}", f"-ip={address}", f"-ip.bind={address}", f"-s3.port={port}",
             *(f"-{name}.port={number}" for name, number in ports.items()),
             "-webdav=false", "-admin.ui=false", "-master.telemetry=false", f"-bucket={BUCKET}",
         ]  # fmt: skip
         with (folder / "log").open("wb") as log:
             server = subprocess.Popen(command, env={**os.environ, **KEYS}, stdout=log, stderr=log, cwd=folder)
         try:
-            _await_bucket(port, server, folder / "log")
+            _await_bucket(address, port, server, folder / "log")
             yield port
         finally:
             server.terminate()
@@ -102,12 +102,12 @@ def failing_way(port: int, *, every: int = 10) -> Iterator[int]:
         server.server_close()
 
 
-def _await_bucket(port: int, server: subprocess.Popen[bytes], log: Path) -> None:
+def _await_bucket(address: str, port: int, server: subprocess.Popen[bytes], log: Path) -> None:
     deadline = time.monotonic() + 60
     while True:
         assert server.poll() is None, log.read_text(errors="replace")[-3000:]
         assert time.monotonic() < deadline, log.read_text(errors="replace")[-3000:]
-        connection = http.client.HTTPConnection("127.0.0.1", port, timeout=2)
+        connection = http.client.HTTPConnection(address, port, timeout=2)
         with closing(connection), suppress(OSError, http.client.HTTPException):
             connection.request("HEAD", f"/{BUCKET}")
             if connection.getresponse().status in (200, 403):

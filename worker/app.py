@@ -1,6 +1,7 @@
 """The Celery application: `celery -A worker.app worker -Q interactive,shards,sequential,ingest`."""
 
 import atexit
+import gc
 import os
 from typing import Any
 
@@ -12,6 +13,7 @@ from backend.platform.logging import set_up_logging
 from backend.platform.previews import PREVIEW_TASK, PreviewRequest
 from backend.platform.queue import TASK_NAME, make_celery
 from backend.platform.settings import environment_settings
+from backend.platform.tracing import start_tracing, stop_tracing
 from worker import preview
 from worker.context import holders_of_this_worker, process_context
 from worker.outcomes import give_back_all
@@ -48,6 +50,17 @@ def _watch(**_: Any) -> None:
 
 
 @signals.worker_process_init.connect  # type: ignore[untyped-decorator]
+def _trace(**_: Any) -> None:
+    # In each process: the thread that sends does not go with a fork.
+    start_tracing(settings.otel_exporter_otlp_endpoint, "dropflow-worker")
+
+
+@signals.worker_process_shutdown.connect  # type: ignore[untyped-decorator]
+def _end_trace(**_: Any) -> None:
+    stop_tracing()
+
+
+@signals.worker_process_init.connect  # type: ignore[untyped-decorator]
 def _one_thread_each(**_: Any) -> None:
     # OpenCV's threads do not survive a fork, and workers share the cores by being many.
     cv2.setNumThreads(0)
@@ -55,6 +68,9 @@ def _one_thread_each(**_: Any) -> None:
 
 @signals.worker_init.connect  # type: ignore[untyped-decorator]
 def _begin(**_: Any) -> None:
+    # What is imported is shared with the processes to come as long as nobody writes to it, and the collector would.
+    gc.collect()
+    gc.freeze()
     sweep(process_context())
     give_back_of_the_dead(process_context())
     # Celery announces only some of the ways in which it stops; every one of them passes the interpreter's end.

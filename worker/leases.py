@@ -201,7 +201,12 @@ class Lease:
                 is_cancelled = self._renew(session, done_frames, is_fruitful=is_fruitful)
         except OperationalError as problem:
             # Postgres may be starting again. Our claim holds as long as nobody could take it.
-            log.warning("lease not renewed", shard=str(self.claim.shard_id), reason=str(problem).splitlines()[0])
+            log.warning(
+                "lease not renewed",
+                run=str(self.claim.run_id) if self.claim.run_id else None,
+                shard=str(self.claim.shard_id),
+                reason=str(problem).splitlines()[0],
+            )
             if time.monotonic() - self._renewed > self._lease_s:
                 raise LeaseLost from None
             return

@@ -9,6 +9,7 @@ import structlog
 
 from backend.platform.previews import LONGEST_WAIT_S, PreviewRequest
 from backend.platform.problems import Problem, problem_of
+from backend.platform.tracing import span, went_wrong
 from dropflow.errors import DropflowError
 from dropflow.parameters import parse_parameters
 from dropflow.suggest import suggest
@@ -31,12 +32,19 @@ def answer(context: Context, request: PreviewRequest) -> None:
     """Put what was found, or the problem, where it is waited for."""
     if time.time() - request.asked_at_s > LONGEST_WAIT_S:
         return
+    about = {"experiment": request.experiment_id, "frame": request.frame}
+    with span(f"preview {request.kind}", about, follows=request.trace):
+        _answer(context, request)
+
+
+def _answer(context: Context, request: PreviewRequest) -> None:
     began_s = time.monotonic()
     try:
         content: dict[str, Any] = {"found": _found(context, request)}
     except DropflowError as error:
         content = {"problem": problem_of(error).model_dump(mode="json")}
-    except Exception:
+    except Exception as error:
+        went_wrong(error)
         # Whoever waits is told at once; the log has the trace.
         log.exception("preview failed", kind=request.kind, experiment=str(request.experiment_id))
         content = {"problem": _UNEXPECTED.model_dump(mode="json")}

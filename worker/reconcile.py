@@ -101,7 +101,14 @@ def _still_silent(session: Session, shard_id: UUID) -> Shard | None:
 
 
 def _return(session: Session, shard: Shard) -> None:
-    log.warning("lease expired", shard=str(shard.id), task=shard.task, holder=shard.holder, attempt=shard.attempts)
+    log.warning(
+        "lease expired",
+        run=str(shard.run_id) if shard.run_id else None,
+        shard=str(shard.id),
+        task=shard.task,
+        holder=shard.holder,
+        attempt=shard.attempts,
+    )
     release(session, Shard.id == shard.id, values={"sent_at": None})
 
 

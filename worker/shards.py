@@ -1,5 +1,6 @@
 """Looking at a shard: claim it, do it, and end it one way or another."""
 
+import time
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from uuid import UUID
@@ -11,6 +12,7 @@ from sqlalchemy.exc import OperationalError
 from backend.platform.object_store import product_prefix
 from backend.platform.problems import problem_of
 from backend.platform.queue import QUEUE_OF_TASK
+from backend.platform.tracing import span, went_wrong
 from dropflow.errors import Cancelled, DropflowError
 from worker import analyse, detect, imports, ingest, outcomes, prepare, track
 from worker.context import Context
@@ -44,13 +46,23 @@ def look_at(context: Context, which: UUID | ScalarSelect[UUID]) -> None:
         taken = claim(session, which, holder=context.holder, lease_s=context.settings.lease_s)
     if taken is None:
         return
-    with structlog.contextvars.bound_contextvars(shard=str(taken.shard_id), task=taken.task, fence=taken.fence):
+    with structlog.contextvars.bound_contextvars(**_named(taken)), span(f"shard {taken.task}", _named(taken)):
+        began_s = time.monotonic()
         try:
             _do(context, taken)
-        except LeaseLost:
+            log.info("shard left", took_s=round(time.monotonic() - began_s, 3))
+        except LeaseLost as lost:
+            went_wrong(lost)
             log.info("lease lost")
             _remove_output(context, taken)
             sweep(context)
+
+
+def _named(taken: Claim) -> dict[str, str | int]:
+    """What is worked on, as logs and traces name it."""
+    run = {"run": str(taken.run_id)} if taken.run_id else {}
+    shard = {"experiment": str(taken.experiment_id), "shard": str(taken.shard_id), "task": taken.task}
+    return {**run, **shard, "fence": taken.fence, "start_frame": taken.start_frame, "stop_frame": taken.stop_frame}
 
 
 def _do(context: Context, taken: Claim) -> None:
@@ -66,15 +78,18 @@ def _do(context: Context, taken: Claim) -> None:
         _remove_output(context, taken)
         outcomes.let_go(context, taken)
     except DropflowError as error:
+        went_wrong(error)
         log.info("shard failed", code=error.code, reason=str(error))
         _remove_output(context, taken)
         fail(context, taken, problem_of(error))
     except OperationalError as problem:
+        went_wrong(problem)
         log.warning("broken off", reason=str(problem).splitlines()[0])
         _remove_output(context, taken)
         with suppress(OperationalError):  # the database is still away: the lease will run out
             outcomes.give_back(context, taken)
     except Exception as error:
+        went_wrong(error)
         log.exception("unexpected error", n_errors=taken.n_errors + 1)
         _remove_output(context, taken)
         if taken.n_errors + 1 < MAX_ERRORS:

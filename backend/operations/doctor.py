@@ -10,9 +10,10 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import unquote, urlparse
 
+import psycopg
 import redis
-from sqlalchemy import Engine, text
-from sqlalchemy.exc import SQLAlchemyError
+from sqlalchemy import Engine, make_url, text
+from sqlalchemy.exc import OperationalError, SQLAlchemyError
 
 from backend.operations.measures import OLDEST_QUEUED_S
 from backend.operations.migrated import newest_form
@@ -27,6 +28,15 @@ _LEAST_FREE = 0.05
 _MOST_CLOCK_DIFFERENCE_S = 5.0
 _ANSWER_S = 2.0
 _WAITING_S = 300.0
+_CONNECTIONS = """
+SELECT current_setting('max_connections')::int - current_setting('superuser_reserved_connections')::int,
+       count(*) FILTER (WHERE backend_type = 'client backend'),
+       count(*) FILTER (WHERE application_name = 'dropflow-events' AND datname = current_database())
+FROM pg_stat_activity
+"""
+CONNECTIONS_OF_API, CONNECTIONS_OF_WORKER, CONNECTIONS_OF_PROCESS, CONNECTIONS_OF_OTHERS = 41, 4, 2, 15
+"""At most: of an API process (its threads and its listener), the main process of a worker, each of its processes, and
+two reconcilers and some commands."""
 _QUERIES = (
     "SELECT count(*) FROM shard WHERE state = 'running' AND lease_until < clock_timestamp() - interval '1 minute'",
     OLDEST_QUEUED_S,
@@ -60,7 +70,8 @@ def examine(settings: Settings) -> Iterator[Finding]:
     """Findings of each part, as they are made. A part that cannot be reached is a finding, never an exception."""
     engine = make_engine(settings.database_url, application="dropflow-doctor")
     looks: dict[str, Callable[[], Finding]] = {
-        "database": lambda: _database(engine),
+        "database": lambda: _database(engine, settings),
+        "connections": lambda: _connections(engine, settings),
         "clock": lambda: _clock(engine),
         "queue": lambda: _queue(settings),
         "workers": lambda: _workers(settings),
@@ -88,7 +99,11 @@ def _looked(part: str, look: Callable[[], Finding]) -> Finding:
     return Finding(part, Verdict.BAD, found, mend)
 
 
-def _database(engine: Engine) -> Finding:
+def _database(engine: Engine, settings: Settings) -> Finding:
+    encoding = _encoding(settings)
+    if encoding != "UTF8":
+        mend = "Make the database anew: CREATE DATABASE ... ENCODING 'UTF8' TEMPLATE template0."
+        return Finding("database", Verdict.BAD, f"it keeps text as {encoding}, not UTF8", mend)
     with engine.connect() as connection:
         version = connection.exec_driver_sql("SHOW server_version").scalar()
         revision = revision_of(connection)
@@ -101,6 +116,32 @@ def _database(engine: Engine) -> Finding:
         f"PostgreSQL {version} has form {revision or 'none'}, this version needs {head}",
         "Run `dropflow-server migrate`, with the services of this version.",
     )
+
+
+def _encoding(settings: Settings) -> str | None:
+    """How the server keeps text, as it tells on connecting: SQLAlchemy itself fails where that is SQL_ASCII."""
+    address = make_url(settings.database_url).set(drivername="postgresql").render_as_string(hide_password=False)
+    try:
+        with psycopg.connect(address, connect_timeout=5) as connection:
+            return connection.info.parameter_status("server_encoding")
+    except psycopg.OperationalError as problem:
+        raise OperationalError(str(problem), None, problem) from None
+
+
+def _connections(engine: Engine, settings: Settings) -> Finding:
+    """Whether the server lets in all that could come at once, not only those who are there now."""
+    with engine.connect() as connection:
+        most, n_open, n_apis = connection.exec_driver_sql(_CONNECTIONS).one()
+    n_needed = max(n_apis, 1) * CONNECTIONS_OF_API + CONNECTIONS_OF_OTHERS
+    with make_celery(settings.redis_url) as celery:
+        answers: dict[str, dict[str, Any]] = celery.control.inspect(timeout=_ANSWER_S).stats() or {}
+    for worker in answers.values():
+        n_needed += CONNECTIONS_OF_WORKER + CONNECTIONS_OF_PROCESS * int(worker["pool"]["max-concurrency"])
+    found = f"{n_open} of {most} open; what runs may open {n_needed} ({n_apis} API, {len(answers)} workers)"
+    if n_needed <= most:
+        return Finding("connections", Verdict.GOOD, found)
+    mend = f"Set max_connections of PostgreSQL to {n_needed} or more: in a composition POSTGRES_CONNECTIONS in .env."
+    return Finding("connections", Verdict.DOUBTFUL, found, mend)
 
 
 def _clock(engine: Engine) -> Finding:

@@ -5,11 +5,17 @@ import sys
 
 import structlog
 
+from backend.platform.tracing import with_trace
+
+_THEIR_OWN = ("uvicorn", "uvicorn.access")
+"""Loggers that bring a form of their own."""
+
 
 def set_up_logging(level: str) -> None:
     """Send structlog and the standard library's loggers the same way."""
     shared: list[structlog.typing.Processor] = [
         structlog.contextvars.merge_contextvars,
+        with_trace,
         structlog.processors.add_log_level,
         structlog.processors.TimeStamper(fmt="iso", utc=True),
     ]
@@ -23,3 +29,6 @@ def set_up_logging(level: str) -> None:
         structlog.stdlib.ProcessorFormatter(processor=structlog.processors.JSONRenderer(), foreign_pre_chain=shared)
     )
     logging.basicConfig(level=level, handlers=[handler], force=True)
+    for name in _THEIR_OWN:
+        logging.getLogger(name).handlers.clear()
+        logging.getLogger(name).propagate = True

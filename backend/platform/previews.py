@@ -38,6 +38,8 @@ class PreviewRequest(BaseModel):
     document: dict[str, Any] | None = None
     """What was filmed, as a run was told; None: as the experiment says now."""
     is_picture_wanted: bool = False
+    trace: dict[str, str] = {}
+    """What it is part of, if that is traced."""
 
 
 LONGEST_WAIT_S = 60.0

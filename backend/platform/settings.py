@@ -135,6 +135,9 @@ class Settings(BaseSettings):
     """How long a shard waits before its message counts as lost, if its queue is empty."""
     metrics_address: str | None = None
     """`host:port` where Prometheus finds measures, beside the API and never through its proxy."""
+    otel_exporter_otlp_endpoint: str | None = None
+    """Where a collector of OpenTelemetry takes traces (OTLP over HTTP), such as `http://collector:4318`. Without it
+    none are made."""
     log_level: Literal["DEBUG", "INFO", "WARNING", "ERROR"] = "INFO"
     """Least severe message that is written."""
 
@@ -163,6 +166,15 @@ class Settings(BaseSettings):
         if wrong := [name for name in roots if not re.fullmatch(r"[\w .-]{1,50}", name)]:
             raise ValueError(f"{wrong[0]!r} must be a name of letters, digits, spaces, dots and dashes")
         return roots
+
+    @field_validator("otel_exporter_otlp_endpoint")
+    @classmethod
+    def _collector(cls, url: str | None) -> str | None:
+        if not url:
+            return None
+        if not url.startswith(("http://", "https://")):
+            raise ValueError("must be an http:// or https:// URL, such as http://127.0.0.1:4318")
+        return url
 
     @field_validator("metrics_address")
     @classmethod

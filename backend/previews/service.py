@@ -9,6 +9,7 @@ from backend.platform.dependencies import Platform
 from backend.platform.object_store import experiment_prefix
 from backend.platform.previews import PreviewRequest
 from backend.platform.problems import Problem
+from backend.platform.tracing import carrier
 from backend.platform.visibility import Viewer
 from backend.previews.errors import PreviewFailed, PreviewLate
 from backend.previews.schemas import LinkPreview, LinkWish, Preview, PreviewWish, Suggestions
@@ -64,7 +65,14 @@ def _ask(
     parse_parameters(about.get("parameters", {}))
     key = f"{experiment_prefix(experiment_id)}previews/{uuid4()}.json"
     platform.queue.preview(
-        PreviewRequest(kind=kind, experiment_id=experiment_id, answer_key=key, asked_at_s=time.time(), **about)
+        PreviewRequest(
+            kind=kind,
+            experiment_id=experiment_id,
+            answer_key=key,
+            asked_at_s=time.time(),
+            trace=carrier(),
+            **about,
+        )
     )
     answer = _await(platform, key, PATIENCE_S[kind])
     if "problem" in answer:

@@ -1,6 +1,7 @@
 """PostgreSQL on a folder: the machine's own where there is one, else the one from the wheel."""
 
 import importlib.util
+import os
 import re
 import secrets
 import shutil
@@ -57,6 +58,10 @@ def _major_version(folder: Path) -> int:
     return int(found[1])
 
 
+MAX_CONNECTIONS = 100 + 4 * (os.cpu_count() or 1)
+"""A worker process opens two, and there are 1.5 of them a core; an API process opens 41."""
+
+
 class Postgres:
     """A server on the cluster in `folder`, listening on loopback at a port that stays the same over restarts."""
 
@@ -71,17 +76,20 @@ class Postgres:
         pid_file: Path | None = None,
         is_durable: bool = True,
         installation: Installation | None = None,
+        max_connections: int = MAX_CONNECTIONS,
+        address: str = "127.0.0.1",
     ) -> None:
         self.cluster = folder / "cluster"
         self.port = free_port()
         self._folder, self._log, self._pid_file = folder, log, pid_file
-        self._password, self._is_durable = password, is_durable
+        self._password, self._is_durable, self._max_connections = password, is_durable, max_connections
+        self._address = address
         self._account = unprivileged_account()
         self._installation = installation or self._choose()
 
     def url(self, database: str = "postgres") -> str:
         """The address of a database, as SQLAlchemy takes it."""
-        return f"postgresql+psycopg://{USER}:{self._password}@127.0.0.1:{self.port}/{database}"
+        return f"postgresql+psycopg://{USER}:{self._password}@{self._address}:{self.port}/{database}"
 
     def start(self) -> Child:
         """Start it and wait until it answers."""
@@ -131,7 +139,8 @@ class Postgres:
         )
 
     def _settings(self) -> list[str]:
-        settings = ["listen_addresses=127.0.0.1", f"port={self.port}", "unix_socket_directories="]
+        settings = [f"listen_addresses={self._address}", f"port={self.port}", "unix_socket_directories="]
+        settings.append(f"max_connections={self._max_connections}")
         return [part for setting in settings + ([] if self._is_durable else NOT_DURABLE) for part in ("-c", setting)]
 
     def _privileges(self) -> list[str]:
@@ -149,6 +158,9 @@ class Postgres:
                 self._account.own(draft)
                 self._account.own(password_file)
             self._run_initdb(draft / "cluster", password_file)
+            if self._address != "127.0.0.1":
+                with (draft / "cluster" / "pg_hba.conf").open("a") as rules:
+                    rules.write("host all all samenet scram-sha-256\n")
             (draft / "cluster").replace(self.cluster)
         finally:
             shutil.rmtree(draft)

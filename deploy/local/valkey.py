@@ -50,15 +50,23 @@ class Valkey:
     name = "Valkey"
 
     def __init__(
-        self, folder: Path, *, password: str, log: Path, pid_file: Path | None = None, is_durable: bool = True
+        self,
+        folder: Path,
+        *,
+        password: str,
+        log: Path,
+        pid_file: Path | None = None,
+        is_durable: bool = True,
+        address: str = "127.0.0.1",
     ) -> None:
         self.port = free_port()
         self._folder, self._log, self._pid_file = folder, log, pid_file
         self._password, self._is_durable = password, is_durable
         self._program = server_program()
+        self._address = address
 
     def url(self, database: int = 0) -> str:
-        return f"redis://:{self._password}@127.0.0.1:{self.port}/{database}"
+        return f"redis://:{self._password}@{self._address}:{self.port}/{database}"
 
     def start(self) -> Child:
         """Start it and wait until it answers."""
@@ -77,7 +85,7 @@ class Valkey:
     def _write_configuration(self) -> Path:
         """In a file, for a password on a command line is seen by everybody on the machine."""
         lines = [
-            "bind 127.0.0.1",
+            f"bind {self._address}",
             f"port {self.port}",
             "daemonize no",
             f"requirepass {self._password}",

@@ -22,6 +22,7 @@ COMMANDS = (
     "suggest",
     "simulate",
     "score",
+    "compile",
     "material",
     "ramp",
     "report",

@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from dropflow.cli import progress
+from dropflow.cli.compile import say_if_not_compiled
 from dropflow.cli.options import ExperimentFile, Jobs, ParametersFile, Stack
 from dropflow.experiment import load_experiment
 from dropflow.parameters import Parameters, load_parameters
@@ -25,6 +26,7 @@ def detect(
     # Imported here, for it takes seconds and `--help` and wrong options need none of it.
     from dropflow import analysis
 
+    say_if_not_compiled()
     with progress.shown() as shown:
         film = analysis.open_film(
             stack,

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from dropflow.cli.compile import say_if_not_compiled
 from dropflow.cli.options import ExperimentFile, ParametersFile, Stack, frame_at
 from dropflow.experiment import load_experiment
 from dropflow.parameters import Parameters, load_parameters
@@ -40,6 +41,7 @@ def preview(
     from dropflow.frames import Choice, open_frames
 
     film, knobs = load_experiment(experiment), load_parameters(parameters) if parameters else Parameters()
+    say_if_not_compiled()
     with open_frames(stack, Choice.of(film)) as frames:
         image = frame_at(frames, frame)
         measured = pipeline.estimate(frames, film, knobs, flat_field=flat_field_beside(film, experiment.parent))

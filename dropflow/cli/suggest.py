@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 import yaml
 
+from dropflow.cli.compile import say_if_not_compiled
 from dropflow.cli.options import ExperimentFile, Stack
 from dropflow.experiment import load_experiment
 
@@ -27,6 +28,7 @@ def suggest(
     from dropflow.suggest import suggest as suggest_for
 
     film = load_experiment(experiment)
+    say_if_not_compiled()
     with open_frames(stack, Choice.of(film)) as frames:
         advice = suggest_for(frames, film, flat_field=flat_field_beside(film, experiment.parent))
     typer.echo(f"Measured on frames {', '.join(str(index) for index in advice.frames)}:")

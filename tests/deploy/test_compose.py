@@ -30,8 +30,16 @@ def test_every_server_is_watched_limited_and_comes_back(name: str) -> None:
     service = SERVICES[name]
     assert service["restart"] == "unless-stopped"
     assert service["deploy"]["resources"]["limits"]["memory"]
-    # The door is up when what is behind it is; workers are watched by their leases.
-    assert name in {"proxy", "reconciler"} or name.startswith("worker-") or service["healthcheck"]["test"]
+    # The door is up when what is behind it is; a reconciler is idle most of the time and dies when it cannot work.
+    assert name in {"proxy", "reconciler"} or service["healthcheck"]["test"]
+
+
+@pytest.mark.parametrize("name", [name for name in SERVICES if name.startswith("worker-")])
+def test_a_worker_is_asked_by_the_name_that_it_has(name: str) -> None:
+    command, check = SERVICES[name]["command"], SERVICES[name]["healthcheck"]["test"]
+    queue = command[command.index("--queues") + 1]
+    assert command[command.index("--hostname") + 1] == f"{queue}@%h"
+    assert check == ["CMD", "/entrypoint", "python", "-m", "worker.alive", queue]
 
 
 @pytest.mark.parametrize("name", SERVICES)

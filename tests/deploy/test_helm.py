@@ -25,7 +25,7 @@ VARIANTS: dict[str, dict[str, str]] = {
 def helm(*arguments: str, **values: str) -> subprocess.CompletedProcess[str]:
     program = shutil.which("helm") or shutil.which("helm", path=ROOT / ".venv" / "bin")
     if program is None:
-        pytest.skip("no helm on the PATH: go install helm.sh/helm/v3/cmd/helm@v3.19.0")
+        pytest.skip("no helm on the PATH: go install helm.sh/helm/v3/cmd/helm@latest")
     settings = [part for name, value in values.items() for part in ("--set", f"{name}={value}")]
     return subprocess.run([program, *arguments, *settings], capture_output=True, text=True)
 
@@ -68,6 +68,26 @@ def test_every_container_is_closed_and_limited() -> None:
             assert container["resources"]["limits"]["memory"]
 
 
+def test_the_database_lets_in_whoever_may_come() -> None:
+    def most(**values: str) -> int:
+        (server,) = (
+            d for d in rendered(**OWN, **values) if d["kind"] == "StatefulSet" and "postgres" in d["metadata"]["name"]
+        )
+        flag, setting = server["spec"]["template"]["spec"]["containers"][0]["args"]
+        assert flag == "-c"
+        return int(setting.removeprefix("max_connections="))
+
+    few = most(**{"workers.shards.replicas": "1", "workers.shards.concurrency": "2"})
+    assert most(**{"workers.shards.replicas": "11", "workers.shards.concurrency": "2"}) == few + 10 * (4 + 2 * 2)
+    assert most(**{"autoscaling.kind": "hpa", "workers.shards.maxReplicas": "100"}) > 100 * (4 + 2 * 2)
+
+
+def test_every_server_is_started_again_when_it_hears_nothing_any_more() -> None:
+    deployments = [d for d in rendered() if d["kind"] == "Deployment" and "reconciler" not in d["metadata"]["name"]]
+    assert len(deployments) == 5
+    assert all(d["spec"]["template"]["spec"]["containers"][0]["livenessProbe"] for d in deployments)
+
+
 @pytest.mark.parametrize(
     ("values", "field"),
     [
@@ -77,7 +97,7 @@ def test_every_container_is_closed_and_limited() -> None:
         ({"image.tag": "latest"}, "/image/tag"),
         ({"workers.shards.concurrency": "0"}, "/workers/shards/concurrency"),
         ({"autoscaling.kind": "keda"}, "/autoscaling/redisAddress"),
-        ({"settings.log_level": "DEBUG"}, "/settings"),
+        ({"settings.log_level": "DEBUG"}, "log_level"),
     ],
 )
 def test_wrong_values_are_refused_with_their_name(values: dict[str, str], field: str) -> None:

@@ -71,6 +71,17 @@ volumeMounts:
     limits: {memory: 256Mi}
 {{- end }}
 
+{{/* What the database must let in: 41 an API process, 4 a worker and 2 for each of its processes, and 15 others. */}}
+{{- define "dropflow.connections" -}}
+{{- $n := add 15 (mul 41 (int .Values.api.replicas)) }}
+{{- range .Values.workers }}
+{{- $replicas := int .replicas }}
+{{- if ne $.Values.autoscaling.kind "none" }}{{ $replicas = max $replicas (int (.maxReplicas | default .replicas)) }}{{ end }}
+{{- $n = add $n (mul $replicas (add 4 (mul 2 (int .concurrency)))) }}
+{{- end }}
+{{- $n }}
+{{- end }}
+
 {{/* A change of the settings is a change of the pods. */}}
 {{- define "dropflow.checksum" -}}
 checksum/settings: {{ include (print .Template.BasePath "/settings.yaml") . | sha256sum }}
