@@ -1,1 +1,1 @@
-"""Speed, memory and accuracy: each module is a program; `python -m benchmarks` runs those without arguments."""
+"""Speed, memory and accuracy: each module is a program; `python -m benchmarks --list` names them all."""

@@ -120,13 +120,14 @@ def _peaks(_stage: str, done: int, total: int) -> None:
 
 def _time_figures(results: Any) -> None:
     """As the service does: each figure by itself, from what the analysis left."""
-    from dropflow.figures.catalogue import CATALOGUE, draw
-    from dropflow.statistics.condensed import StoredCondensed
+    from dropflow.figures.catalogue import CATALOGUE
+    from dropflow.figures.entry import draw
+    from dropflow.statistics.condensed_files import StoredCondensed
     from dropflow.statistics.findings import Findings
 
     for round_number in range(2):  # what is loaded and compiled at the first use is not counted
         for entry in CATALOGUE:
-            if entry.draw is None or entry.missing(results.facts):
+            if entry.drawing.draw is None or entry.drawing.missing(results.facts):
                 continue
             begin_s = time.perf_counter()
             stored = StoredCondensed(lambda name: (results.folder / name).open("rb"))
@@ -145,7 +146,8 @@ def main() -> None:
             os._exit(0)
         os.wait()
         from dropflow.results import open_results
-        from dropflow.statistics.condensed import condense, write_condensed
+        from dropflow.statistics.condense import condense
+        from dropflow.statistics.condensed_files import write_condensed
 
         results = open_results(folder)
         begin_s, wall_s = time.process_time(), time.perf_counter()

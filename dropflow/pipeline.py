@@ -25,7 +25,8 @@ from dropflow.preprocess import StackEstimate, estimate_stack
 from dropflow.progress import Progress, silent
 from dropflow.report.frames import FrameSource
 from dropflow.report.page import make_report
-from dropflow.statistics.condensed import FILES, StoredCondensed, condense, write_condensed
+from dropflow.statistics.condense import condense
+from dropflow.statistics.condensed_files import FILES, StoredCondensed, write_condensed
 from dropflow.statistics.facts import FilmFacts
 from dropflow.statistics.findings import Findings
 from dropflow.statistics.summary import statistics_of, summarise

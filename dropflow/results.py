@@ -14,7 +14,9 @@ from dropflow.errors import ResultsError
 from dropflow.experiment import Experiment, parse_experiment
 from dropflow.figures.example import EXAMPLE_FILE, Example
 from dropflow.parameters import Parameters, parse_parameters
-from dropflow.statistics.condensed import FILES, Condensed, StoredCondensed, condense
+from dropflow.statistics.condense import condense
+from dropflow.statistics.condensed import Condensed
+from dropflow.statistics.condensed_files import FILES, StoredCondensed
 from dropflow.statistics.facts import FilmFacts
 
 

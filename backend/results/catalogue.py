@@ -5,7 +5,8 @@ from collections.abc import Collection, Sequence
 from backend.platform.problems import InvalidRequest
 from backend.results.schemas import FigureEntry, FigureName, FigureParameter, FigureQuery
 from dropflow.errors import FieldProblem
-from dropflow.figures.catalogue import BY_NAME, CATALOGUE, Entry, Needs, Parameter
+from dropflow.figures.catalogue import BY_NAME, CATALOGUE
+from dropflow.figures.entry import Entry, Needs, Parameter
 from dropflow.statistics.facts import FilmFacts
 from dropflow.statistics.oscillations import Signal
 
@@ -24,7 +25,7 @@ def entries(facts: FilmFacts, done: Collection[str], *, duration_s: float) -> li
 
 
 def _entry(entry: Entry, facts: FilmFacts, done: Collection[str], duration_s: float) -> FigureEntry:
-    reason = entry.missing(facts)
+    reason = entry.drawing.missing(facts)
     if reason is None and entry.needs is not Needs.NOTHING and entry.needs not in done:
         reason = LATER[entry.needs]
     return FigureEntry(
@@ -34,8 +35,8 @@ def _entry(entry: Entry, facts: FilmFacts, done: Collection[str], duration_s: fl
         group=entry.group,
         how=entry.how,
         docs=f"{_DOCS}/{entry.docs}.md",
-        has_table=entry.table is not None,
-        parameters=[shown_parameter(parameter, facts, duration_s) for parameter in entry.parameters],
+        has_table=entry.drawing.table is not None,
+        parameters=[shown_parameter(parameter, facts, duration_s) for parameter in entry.drawing.parameters],
         is_available=reason is None,
         reason=reason,
     )
@@ -66,7 +67,7 @@ def shown_parameter(parameter: Parameter, facts: FilmFacts, duration_s: float) -
 def checked(name: FigureName, query: FigureQuery) -> Entry:
     """The entry of a figure; parameters that it does not take, or needs and was not given, are an error."""
     entry = BY_NAME[name]
-    check_parameters(name, entry.parameters, query.model_dump(exclude_none=True))
+    check_parameters(name, entry.drawing.parameters, query.model_dump(exclude_none=True))
     return entry
 
 

@@ -15,7 +15,7 @@ from backend.platform.object_store import ObjectStore
 from backend.results.frames import detected_droplets, open_flow
 from backend.results.schemas import FigureQuery
 from dropflow import figures
-from dropflow.figures.catalogue import Entry, draw
+from dropflow.figures.entry import Entry, draw
 from dropflow.figures.example import EXAMPLE_FILE, Example, draw_example, make_example
 from dropflow.figures.of_frame import COLUMNS, FlowStep, displacement_of, flow_field_of, tracking_step_of
 from dropflow.preprocess.estimate import ESTIMATE_FILE, StackEstimate
@@ -42,9 +42,9 @@ def of_film(entry: Entry, found: Findings) -> str:
 
 def table_of(entry: Entry, found: Findings) -> Iterator[bytes]:
     """The numbers of a figure as CSV, the first line of which says where they come from."""
-    assert entry.table is not None  # noqa: S101 - whoever asks has looked
+    assert entry.drawing.table is not None  # noqa: S101 - whoever asks has looked
     # Made before the answer begins: what is wrong must still become an error.
-    return as_csv(entry.table(found), json.dumps(dict(found.facts.provenance)))
+    return as_csv(entry.drawing.table(found), json.dumps(dict(found.facts.provenance)))
 
 
 def as_csv(table: pl.DataFrame, about: str) -> Iterator[bytes]:

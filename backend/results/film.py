@@ -13,7 +13,8 @@ from backend.results.errors import NotYet
 from dropflow.experiment import parse_experiment
 from dropflow.parameters import parse_parameters
 from dropflow.statistics.calibration import Calibration
-from dropflow.statistics.condensed import Clock, Condensed, StoredCondensed
+from dropflow.statistics.condensed import Clock, Condensed
+from dropflow.statistics.condensed_files import StoredCondensed
 from dropflow.statistics.facts import FilmFacts
 from dropflow.statistics.flow_correlation import FlowCorrelation
 from dropflow.statistics.flow_moments import FlowMoments

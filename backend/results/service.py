@@ -28,10 +28,11 @@ from backend.results.schemas import (
 )
 from backend.runs.service import get as get_run
 from dropflow.exports.kinds import MEDIA_TYPE, TITLE, Kind
-from dropflow.figures.catalogue import Entry, Needs
+from dropflow.figures.entry import Entry, Needs
 from dropflow.figures.example import WORKING_PANELS
 from dropflow.frames import Frame
-from dropflow.statistics.condensed import STATISTICS_FILE, Condensed
+from dropflow.statistics.condensed import Condensed
+from dropflow.statistics.condensed_files import STATISTICS_FILE
 from dropflow.statistics.facts import FilmFacts
 from dropflow.statistics.findings import Findings
 
@@ -102,7 +103,7 @@ def figure(asker: Asker, store: ObjectStore, name: FigureName, query: FigureQuer
 def table(asker: Asker, store: ObjectStore, name: FigureName, query: FigureQuery) -> Iterator[bytes]:
     """The numbers of a figure as CSV, piece by piece."""
     entry = checked(name, query)
-    if entry.table is None:
+    if entry.drawing.table is None:
         raise NoTable(name)
     return figures.table_of(entry, _findings(asker, store, entry, query))
 
@@ -110,7 +111,7 @@ def table(asker: Asker, store: ObjectStore, name: FigureName, query: FigureQuery
 def looks_at(asker: Asker, name: FigureName, query: FigureQuery) -> int | None:
     """The frame that a figure is drawn on, if it is one of a frame; what it needs besides is there."""
     entry = checked(name, query)
-    if entry.draw is not None or query.frame is None:
+    if entry.drawing.draw is not None or query.frame is None:
         return None
     asker.product("detect" if name in WORKING_PANELS else "track", query.frame)
     other = {"forward_tracking": 1, "backward_tracking": -1}.get(name, 0)
@@ -131,7 +132,7 @@ def frame_figure(asker: Asker, store: ObjectStore, name: FigureName, query: Figu
 
 def _facts(asker: Asker, entry: Entry) -> FilmFacts:
     facts = facts_of(asker)
-    if missing := entry.missing(facts):
+    if missing := entry.drawing.missing(facts):
         raise NotOfThisFilm(missing)
     return facts
 

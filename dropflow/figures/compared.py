@@ -9,7 +9,8 @@ import plotly.graph_objects as go
 import polars as pl
 
 from dropflow.figures import numbers
-from dropflow.figures.catalogue import BY_NAME, RADII, SIGNAL, TIMES, Needs, Parameter
+from dropflow.figures.catalogue import BY_NAME, RANGES
+from dropflow.figures.entry import SIGNAL, Needs, Parameter
 from dropflow.figures.layout import MAX_COLUMNS, new_figure, say_empty, stacked_axes, time_axis
 from dropflow.figures.oscillations import periods_against_driving
 from dropflow.figures.size_distribution import DENSITY_TITLES, radius_ticks
@@ -206,7 +207,7 @@ def _say_lines(figure: go.Figure, what: str) -> None:
 def _like(name: str, draw: Draw, title: str, table: Callable[[Findings], pl.DataFrame]) -> ComparedEntry:
     """A figure that each analysis has by itself, too."""
     entry = BY_NAME[name]
-    return ComparedEntry(name, title, entry.how, entry.docs, entry.needs, draw, table, entry.parameters)
+    return ComparedEntry(name, title, entry.how, entry.docs, entry.needs, draw, table, entry.drawing.parameters)
 
 
 COMPARED: tuple[ComparedEntry, ...] = (
@@ -223,7 +224,7 @@ COMPARED: tuple[ComparedEntry, ...] = (
         Needs.ANALYSE,
         _periods,
         _periods_table,
-        (*TIMES, *RADII, SIGNAL),
+        (*RANGES, SIGNAL),
         _undriven,
     ),
 )

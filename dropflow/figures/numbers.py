@@ -35,6 +35,16 @@ def distribution(found: Findings, histograms: FrameHistograms) -> pl.DataFrame:
     )
 
 
+def distribution_before(found: Findings) -> pl.DataFrame:
+    """Of all detections."""
+    return distribution(found, found.before)
+
+
+def distribution_after(found: Findings) -> pl.DataFrame:
+    """Of droplets in trajectories."""
+    return distribution(found, found.after)
+
+
 def distribution_at(found: Findings) -> pl.DataFrame:
     """One row a bin of radius, before and after the consistency check."""
     parts = []

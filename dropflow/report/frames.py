@@ -10,7 +10,7 @@ import polars as pl
 import zarr
 
 from dropflow.figures import Direction, caption_of
-from dropflow.figures.catalogue import Entry
+from dropflow.figures.entry import Entry
 from dropflow.figures.example import WORKING_PANELS, Example, draw_example
 from dropflow.figures.of_frame import COLUMNS, FlowStep, displacement_of, flow_field_of, tracking_step_of
 from dropflow.statistics.findings import Findings

@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import plotly.graph_objects as go
 
-from dropflow.figures.catalogue import CATALOGUE, Entry, Group, draw
+from dropflow.figures.catalogue import CATALOGUE
+from dropflow.figures.entry import Entry, Group, draw
 from dropflow.report.frames import FrameSource, draw_of_frame
 from dropflow.statistics.findings import Findings
 
@@ -26,7 +27,7 @@ def sections(found: Findings, source: FrameSource) -> list[Section]:
     for entry in CATALOGUE:
         if _missing(entry, found):
             continue
-        figure = draw(entry, found) if entry.draw else draw_of_frame(entry, found, source)
+        figure = draw(entry, found) if entry.drawing.draw else draw_of_frame(entry, found, source)
         if figure is not None:
             made.append(Section(entry.name, figure, f"{_how(entry, found)} ({entry.paper})"))
     return made
@@ -38,7 +39,7 @@ def _missing(entry: Entry, found: Findings) -> bool:
         return found.temperature is None
     if entry.name == "driving":
         return found.driving is None
-    return entry.missing(found.facts) is not None
+    return entry.drawing.missing(found.facts) is not None
 
 
 def _how(entry: Entry, found: Findings) -> str:

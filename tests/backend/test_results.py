@@ -14,7 +14,8 @@ import zarr
 
 from dropflow import analysis
 from dropflow.experiment import parse_experiment
-from dropflow.figures.catalogue import CATALOGUE, Group
+from dropflow.figures.catalogue import CATALOGUE
+from dropflow.figures.entry import Group
 from dropflow.figures.example import WORKING_PANELS
 from dropflow.parameters import parse_parameters
 from tests.films import EXPERIMENT, PARAMETERS, film

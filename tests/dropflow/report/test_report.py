@@ -7,7 +7,8 @@ import pytest
 
 from dropflow.cli import main
 from dropflow.errors import ExperimentError, ResultsError
-from dropflow.figures.catalogue import CATALOGUE, Group
+from dropflow.figures.catalogue import CATALOGUE
+from dropflow.figures.entry import Group
 from dropflow.figures.example import WORKING_PANELS
 from dropflow.physics.temperature_log import TemperatureLog
 from dropflow.report.frames import FrameSource
