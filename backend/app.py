@@ -1,6 +1,8 @@
 """The HTTP application: `uvicorn backend.app:create_app --factory`."""
 
 import asyncio
+import os
+import sys
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
@@ -31,12 +33,14 @@ from backend.platform.dependencies import Platform
 from backend.platform.entity_tags import TaggedAnswers
 from backend.platform.events import Listener
 from backend.platform.harmless import HarmlessAnswers
+from backend.platform.kept import Kept
 from backend.platform.logging import set_up_logging
 from backend.platform.measures import Measured, Measures
 from backend.platform.media import check_media
 from backend.platform.object_store import ObjectStore
 from backend.platform.openapi import document
-from backend.platform.origins import LocalOnly
+from backend.platform.opening import ClosedUntilLookedAfter
+from backend.platform.origins import LocalOnly, refuse_open_door
 from backend.platform.queue import Queue
 from backend.platform.rates import Rates
 from backend.platform.settings import Settings, environment_settings
@@ -76,7 +80,10 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app.add_middleware(HarmlessAnswers)
     app.add_middleware(BoundedBodies, max_bytes=settings.max_body_bytes)
     if settings.auth == "local":
+        refuse_open_door(sys.argv, os.environ)
         app.add_middleware(LocalOnly)
+    else:
+        app.add_middleware(ClosedUntilLookedAfter, is_looked_after=lambda: _is_looked_after(app.state.platform))
     app.add_middleware(Measured, measures=app.state.measures)
     app.add_middleware(NamedRequests)
     app.include_router(operations)
@@ -124,6 +131,7 @@ def _lifespan(settings: Settings) -> Lifespan[FastAPI]:
             rates=Rates(settings.redis_url),
         )
         app.state.platform, app.state.open_stacks, app.state.intakes = platform, OpenStacks(), Intakes()
+        app.state.kept = Kept()
         try:
             _greet(platform)
             platform.listener.start(asyncio.get_running_loop())
@@ -151,6 +159,11 @@ def _greet(platform: Platform) -> None:
                 ensure_local_people(session)
                 ensure_local_secrets(session, settings)
             elif not has_administrator(session):
-                log.warning("nobody can sign in yet", hint="dropflow-server administrator EMAIL")
+                log.warning("closed until somebody looks after it", hint="dropflow-server administrator EMAIL")
     except ProgrammingError:
         raise NotMigrated("The database has not the tables of this version: run `alembic upgrade head`.") from None
+
+
+def _is_looked_after(platform: Platform) -> bool:
+    with platform.sessions.begin() as session:
+        return has_administrator(session)

@@ -1,7 +1,9 @@
 """`python -m benchmarks.load [SECONDS]`: 20 people look at dashboards while two uploads and a run go.
 
 Everything is real and on this machine: API, workers, Postgres, Valkey. Each person asks for what a dashboard asks for,
-one thing after another, and looks at it for a second. Printed: times of reads in ms, and answers that were none.
+one thing after another, and looks at it for a second (people look longer). They look at five runs: at each of these one
+of them draws the figures of another stretch of time whenever they ask, the others see what was drawn before. They keep
+nothing, as a browser would: every answer is sent whole. Printed: times of reads in ms, and answers that were none.
 """
 
 import sys
@@ -10,15 +12,18 @@ import time
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from itertools import cycle
+from functools import partial
+from itertools import count
+from random import random
 
 import httpx
 import numpy as np
 
-from tests.films import EXPERIMENT, PARAMETERS, film, frame, tiff
+from tests.films import EXPERIMENT, N_FRAMES, PARAMETERS, film, frame, tiff
 from tests.services import MIGRATED, database, migrate, running_postgres, running_service, running_valkey
 
 N_PEOPLE = 20
+N_RUNS = 5
 LOOK_S = 1.0
 LONGEST_S = 120.0
 UPLOADED_SHAPE = (1024, 1024)
@@ -61,8 +66,9 @@ def measure(address: str, seconds: float) -> Log:
     """Everybody at once, for so long."""
     log, end = Log(), threading.Event()
     with httpx.Client(base_url=address, timeout=30) as api:
-        experiment, run = finished_run(api)
-        jobs: list[Callable[[], None]] = [lambda: look(address, log, experiment, run, end)] * N_PEOPLE
+        runs = [finished_run(api) for _ in range(N_RUNS)]
+        people = [(runs[number % N_RUNS], number < N_RUNS) for number in range(N_PEOPLE)]
+        jobs: list[Callable[[], None]] = [partial(look, address, log, *person, end) for person in people]
         jobs += [lambda: upload(address, end)] * 2 + [lambda: analyse(address, end)]
         threads = [threading.Thread(target=job) for job in jobs]
         for thread in threads:
@@ -75,25 +81,24 @@ def measure(address: str, seconds: float) -> Log:
     return log
 
 
-def dashboard(experiment: str, run: str) -> Iterator[tuple[str, str]]:
-    """What one dashboard asks for, again and again."""
-    return cycle(
-        [
-            ("list of experiments", "experiments"),
-            ("experiment", f"experiments/{experiment}"),
-            ("run", f"runs/{run}"),
-            ("size distribution", f"runs/{run}/figures/size_distribution_after"),
-            ("moments", f"runs/{run}/figures/moments"),
-            ("frame", f"experiments/{experiment}/frames/1.webp"),
-            ("droplets", f"runs/{run}/frames/1/droplets?which=tracked"),
-        ]
-    )
+def dashboard(experiment: str, run: str, *, is_dragging: bool) -> Iterator[tuple[str, str]]:
+    """What one dashboard asks for, again and again; who drags the range of time has figures drawn anew."""
+    for number in count():
+        frame = number % N_FRAMES
+        stretch, what = (f"?to_s={3 + random():.6f}", ", drawn anew") if is_dragging else ("", "")
+        yield "list of experiments", "experiments"
+        yield "experiment", f"experiments/{experiment}"
+        yield "run", f"runs/{run}"
+        yield f"size distribution{what}", f"runs/{run}/figures/size_distribution_after{stretch}"
+        yield f"moments{what}", f"runs/{run}/figures/moments{stretch}"
+        yield "frame", f"experiments/{experiment}/frames/{frame}.jpg"
+        yield "droplets", f"runs/{run}/frames/{frame}/droplets?which=tracked"
 
 
-def look(address: str, log: Log, experiment: str, run: str, end: threading.Event) -> None:
+def look(address: str, log: Log, looked_at: tuple[str, str], is_dragging: bool, end: threading.Event) -> None:
     """One person at a dashboard."""
     with httpx.Client(base_url=address, timeout=30) as api:
-        for name, path in dashboard(experiment, run):
+        for name, path in dashboard(*looked_at, is_dragging=is_dragging):
             if end.wait(LOOK_S):
                 return
             log.read(api, name, path)
@@ -125,7 +130,7 @@ def analyse(address: str, end: threading.Event) -> None:
 
 def finished_run(api: httpx.Client) -> tuple[str, str]:
     """An experiment with a run that has everything to show."""
-    experiment = ready(api, 6)
+    experiment = ready(api, N_FRAMES)
     run = started(api, experiment, PARAMETERS)
     await_(lambda: api.get(f"runs/{run}").json()["state"] == "completed")
     return experiment, run
@@ -162,10 +167,10 @@ def report(log: Log, seconds: float) -> int:
     """Print it."""
     every = [found for of_one in log.seconds.values() for found in of_one]
     print(f"{N_PEOPLE} people, two uploads and a run, {seconds:.0f} s: {len(every)} reads\n")
-    print(f"{'read':24} {'n':>6} {'p50 ms':>8} {'p95 ms':>8} {'max ms':>8}")
+    print(f"{'read':30} {'n':>6} {'p50 ms':>8} {'p95 ms':>8} {'max ms':>8}")
     for name, of_one in [*log.seconds.items(), ("all", every)]:
         p50, p95, longest = np.percentile(of_one, [50, 95, 100]) * 1000
-        print(f"{name:24} {len(of_one):6d} {p50:8.0f} {p95:8.0f} {longest:8.0f}")
+        print(f"{name:30} {len(of_one):6d} {p50:8.0f} {p95:8.0f} {longest:8.0f}")
     print(f"\nerrors: {sum(log.wrong.values())} {dict(log.wrong) or ''}")
     return int(bool(log.wrong) or float(np.percentile(every, 95)) > 0.3)
 

@@ -68,6 +68,7 @@ def _one_thread_each(**_: Any) -> None:
 
 @signals.worker_init.connect  # type: ignore[untyped-decorator]
 def _begin(**_: Any) -> None:
+    os.nice(settings.worker_nice)  # processes are forked later, and are as nice
     # What is imported is shared with the processes to come as long as nobody writes to it, and the collector would.
     gc.collect()
     gc.freeze()

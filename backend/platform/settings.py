@@ -125,6 +125,8 @@ class Settings(BaseSettings):
     orphan_grace_s: Annotated[float, Field(ge=0)] = 86_400.0
     """How old an object that no row speaks of must be before it is removed."""
 
+    worker_nice: Annotated[int, Field(ge=0, le=19)] = 10
+    """How far workers step back on a machine that also answers people: `nice`. 0 for what somebody waits for."""
     lease_s: Annotated[float, Field(ge=1, le=3600)] = 60.0
     """How long a worker may be silent before its work goes to another."""
     longest_step_s: Annotated[float, Field(ge=1, le=86400)] = 1800.0

@@ -62,7 +62,8 @@ def figures_get(
     """Get a figure as Plotly draws it, of what is done so far."""
     frame = service.looks_at(asker, name, query)
     if frame is None:
-        return Response(service.figure(asker, platform.store, name, query), media_type="application/json")
+        drawn = service.figure(asker, platform.store, request.app.state.kept, name, query)
+        return Response(drawn, media_type="application/json")
     experiment = asker.run().experiment
     image = None
     if frame < (experiment.stack.n_frames or 0):

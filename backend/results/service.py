@@ -2,14 +2,17 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from uuid import UUID
 
 from sqlalchemy.orm import Session
 
 from backend.models import Product, Run
+from backend.models.states import RunState
 from backend.platform.downloads import Download
 from backend.platform.entity_tags import tag_of_bytes
+from backend.platform.kept import Kept
 from backend.platform.object_store import ObjectStore
 from backend.platform.visibility import Viewer
 from backend.platform.zip_stream import part, zip_stream
@@ -49,7 +52,11 @@ class Asker:
     run_id: UUID
 
     def run(self) -> Run:
-        """The run."""
+        """The run, looked up once a request."""
+        return self._run
+
+    @cached_property
+    def _run(self) -> Run:
         return get_run(self.session, self.viewer, self.run_id)
 
     def product(self, task: str, frame: int | None = None) -> Product:
@@ -92,8 +99,15 @@ def catalogue(asker: Asker) -> list[FigureEntry]:
     return entries(facts, asker.done(), duration_s=stack.duration_s or 0.0)
 
 
-def figure(asker: Asker, store: ObjectStore, name: FigureName, query: FigureQuery) -> str:
-    """A figure of the whole film, as Plotly JSON."""
+def figure(asker: Asker, store: ObjectStore, kept: Kept, name: FigureName, query: FigureQuery) -> str:
+    """A figure of the whole film, as Plotly JSON. Of a completed run it never changes: it is drawn once."""
+    if asker.run().state != RunState.COMPLETED:
+        return _drawn(asker, store, name, query)
+    key = (asker.run_id, name, query.model_dump_json(exclude_none=True))
+    return kept.get(key, lambda: _drawn(asker, store, name, query))
+
+
+def _drawn(asker: Asker, store: ObjectStore, name: FigureName, query: FigureQuery) -> str:
     entry = checked(name, query)
     if name in WORKING_PANELS:
         return figures.working_panel(entry, _facts(asker, entry), figures.kept_example(store, asker.product("analyse")))

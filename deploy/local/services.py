@@ -80,7 +80,9 @@ def _worker(queue: str, n_processes: int, folder: InstanceFolder, environment: M
     # Nobody asks these workers anything but through the queue and the database.
     quiet = ("--hostname", f"{queue}@%h", "--without-gossip", "--without-mingle", "--without-heartbeat")
     # To Celery SIGTERM means to end the work at hand first; SIGQUIT to give it back, for the next start to go on with.
-    return _program(f"worker {queue}", (*command, *quiet), folder, {**environment, "REMAP_SIGTERM": "SIGQUIT"})
+    # People look while workers work: but what somebody waits for is as urgent as the page itself.
+    own = {"REMAP_SIGTERM": "SIGQUIT", **({"WORKER_NICE": "0"} if queue == "interactive" else {})}
+    return _program(f"worker {queue}", (*command, *quiet), folder, {**environment, **own})
 
 
 def _program(

@@ -17,6 +17,7 @@ import { useUpload } from "../uploads/uploads";
 import { DeleteExperiment } from "./DeleteExperiment";
 import { EditExperiment } from "./EditExperiment";
 import { Description, StackFacts } from "./ExperimentFacts";
+import { MoveExperiment } from "./MoveExperiment";
 import { experimentQuery, isChanging } from "./queries";
 import { StackBadge } from "./StackBadge";
 import { StackPanel } from "./StackPanel";
@@ -55,6 +56,7 @@ function Actions({ experiment }: { experiment: Experiment }) {
   return (
     <>
       <EditExperiment experiment={experiment} />
+      <MoveExperiment experiment={experiment} />
       <DeleteExperiment experiment={experiment} />
       {experiment.stack.state === "ready" && <AnalyseButton experimentId={experiment.id} />}
     </>

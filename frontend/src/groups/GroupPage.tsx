@@ -20,6 +20,8 @@ import { Panel } from "../platform/Panel";
 import { ProblemAlert } from "../platform/ProblemAlert";
 import { toProblem } from "../platform/problem";
 import { QueryView } from "../platform/QueryView";
+import { Webhooks } from "../webhooks/Webhooks";
+import { LimitsForm } from "./LimitsForm";
 import { groupQuery, invitationsQuery, membersQuery } from "./queries";
 import { UsageBar } from "./UsageBar";
 
@@ -49,6 +51,9 @@ export function GroupPage() {
           >
             <Panel title="Room">
               <UsageBar usage={found.usage} />
+              {session.data?.person?.is_administrator && !session.data.is_local && (
+                <LimitsForm key={found.id} group={found} />
+              )}
             </Panel>
             {found.is_personal ? (
               <Text fz="sm">This is your own space: nobody else sees what is in it.</Text>
@@ -58,6 +63,7 @@ export function GroupPage() {
                 {mayManage && <Invitations groupId={found.id} />}
               </>
             )}
+            {mayManage && <Webhooks groupId={found.id} />}
           </Page>
         );
       }}

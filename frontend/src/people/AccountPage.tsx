@@ -1,4 +1,4 @@
-import { Button, Group, PasswordInput, Stack, Text, TextInput } from "@mantine/core";
+import { Button, Group, PasswordInput, Stack, Switch, Text, TextInput } from "@mantine/core";
 import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
 import { accountPassword, accountUpdate, type Session } from "../client";
@@ -37,6 +37,10 @@ function Profile({ session }: { session: Session }) {
     mutationFn: () => accountUpdate({ body: { name } }),
     onSuccess: () => cache.invalidateQueries({ queryKey: sessionQuery.queryKey }),
   });
+  const mail = useMutation({
+    mutationFn: (is_mailed: boolean) => accountUpdate({ body: { is_mailed } }),
+    onSuccess: () => cache.invalidateQueries({ queryKey: sessionQuery.queryKey }),
+  });
   const problem = change.error && toProblem(change.error);
   return (
     <Panel
@@ -67,6 +71,14 @@ function Profile({ session }: { session: Session }) {
           </Button>
         </Group>
       </form>
+      {session.is_mailing && session.person?.email && (
+        <Switch
+          label="E-mail me when a run that I started has completed or failed"
+          checked={session.person.is_mailed}
+          disabled={mail.isPending}
+          onChange={(event) => mail.mutate(event.currentTarget.checked)}
+        />
+      )}
     </Panel>
   );
 }
