@@ -31,7 +31,7 @@ class Calibration:
     """Density difference over viscosity, mean over the film, s/m2, negative for droplets that rise; NaN if it cannot
     be told."""
     std_s_m2: float
-    """Its standard error, trajectories taken as independent."""
+    """Its standard error: droplets that follow each other in the same place may err together."""
     n_rows: int
     """Droplets that took part: those that share a frame and a cell with another."""
     n_trajectories: int
@@ -83,12 +83,13 @@ def self_calibration(
 
     Such neighbours are in nearly the same flow, so the difference of their velocities is Stokes' alone. The flow field
     itself must not be subtracted: it was computed with the very material that is to be checked, and a fit to what it
-    leaves would give that material back. Radii are means over the trajectory, for noise in r flattens the slope.
+    leaves would give that material back. Radii are means over the trajectory, for noise in r flattens the slope, and
+    each counts by the uncertainty that detection gave it: a droplet out of focus looks smaller than it is.
 
     Parameters
     ----------
     path
-        ``trajectories.parquet``, sorted by trajectory; read twice, in batches.
+        ``trajectories.parquet``, sorted by trajectory; read three times, in batches.
     trajectories
         One row a trajectory, sorted by id (`summarise_trajectories`).
     up
@@ -102,7 +103,8 @@ def self_calibration(
     Notes
     -----
     The slope k of v = k r^2 gives the density difference over the viscosity as -9 k / (2 g) (eq. 4). The standard
-    error is that of a regression with clusters: all rows of a trajectory may err together.
+    error is that of a regression with clusters: all rows of a trajectory may err together, and all rows of a cell over
+    three mean trajectories, for neighbours share what their flow differs by. The larger of both is taken.
     """
     mean = float(density_over_viscosity_s_m2.mean())
     share = density_over_viscosity_s_m2 / mean if mean else np.ones_like(density_over_viscosity_s_m2)
@@ -134,8 +136,14 @@ class _Line:
 _N_BINS = 16
 
 
+_TRAJECTORIES_A_BLOCK = 3
+"""Length in time of what may err together, in mean trajectories."""
+_LEAST_RADIUS_STD = 0.01
+"""Of the radius: no single row of a trajectory is to be worth much more than the others."""
+
+
 class _Pairs:
-    """Walks twice through the rows: means of each frame and cell first, then what each droplet differs by."""
+    """Walks through the rows: radii first, then means of each frame and cell, then what each droplet differs by."""
 
     def __init__(
         self,
@@ -147,7 +155,9 @@ class _Pairs:
     ) -> None:
         self._path, self._up, self._field_um, self._share = path, up, field_um, share
         self._ids = trajectories["trajectory_id"].to_numpy()
-        self._r2_um2 = trajectories["r_mean_um"].to_numpy() ** 2
+        self._r2_um2 = _radius_um(path, self._ids) ** 2
+        mean_frames = float(trajectories["n_frames"].mean() or 1.0)  # type: ignore[arg-type]
+        self._block_frames = max(1, round(_TRAJECTORIES_A_BLOCK * mean_frames))
 
     def fit(self) -> _Line:
         """Regression through the origin of the deviations."""
@@ -161,17 +171,20 @@ class _Pairs:
             sum_x[part] += np.bincount(cell - first, x, length)
             sum_y[part] += np.bincount(cell - first, y, length)
         edges = self._edges(n_rows=int(n[n > 1].sum()))
-        xx, xy = np.zeros(len(self._ids)), np.zeros(len(self._ids))
+        by_trajectory = _Sums(len(self._ids))
+        n_blocks = len(self._share) // self._block_frames + 1
+        by_block = _Sums(n_blocks * N_COLUMNS * N_ROWS)
         bins = np.zeros((4, _N_BINS))
         for every_cell, r2, along, every_number in self._rows():
             shared = n[every_cell] > 1
             cell, number = every_cell[shared], every_number[shared]
             x, y = r2[shared] - sum_x[cell] / n[cell], along[shared] - sum_y[cell] / n[cell]
-            xx += np.bincount(number, x * x, len(xx))
-            xy += np.bincount(number, x * y, len(xy))
+            frame, place = np.divmod(cell, N_COLUMNS * N_ROWS)
+            by_trajectory.add(number, x, y)
+            by_block.add(frame // self._block_frames * N_COLUMNS * N_ROWS + place, x, y)
             which = np.clip(np.searchsorted(edges, x) - 1, 0, _N_BINS - 1)
             bins += [np.bincount(which, of, _N_BINS) for of in (np.ones_like(x), x, y, y * y)]
-        return _line(xx, xy, bins, n_rows=int(n[n > 1].sum()))
+        return _line(by_trajectory, by_block, bins, n_rows=int(n[n > 1].sum()))
 
     def _rows(self) -> Iterator[tuple[Integers, Floats, Floats, Integers]]:
         """Cell, weighed r^2, velocity along up and trajectory of the droplets, a batch at a time."""
@@ -194,8 +207,43 @@ class _Pairs:
         return np.linspace(-reach, reach, _N_BINS + 1)
 
 
-def _line(xx: Floats, xy: Floats, bins: Floats, *, n_rows: int) -> _Line:
-    n_trajectories = int(np.count_nonzero(xx))
+class _Sums:
+    """Sums of x^2 and x y over the rows of each cluster."""
+
+    def __init__(self, n_clusters: int) -> None:
+        self.xx, self.xy = np.zeros(n_clusters), np.zeros(n_clusters)
+
+    def add(self, cluster: Integers, x: Floats, y: Floats) -> None:
+        self.xx += np.bincount(cluster, x * x, len(self.xx))
+        self.xy += np.bincount(cluster, x * y, len(self.xy))
+
+    def n(self) -> int:
+        return int(np.count_nonzero(self.xx))
+
+    def slope_std(self, slope: float) -> float:
+        """Standard error of a slope if rows of a cluster err together, and clusters independently."""
+        n = self.n()
+        scatter = self.xy - slope * self.xx
+        return float(np.sqrt((scatter**2).sum() * n / max(n - 1, 1)) / self.xx.sum())
+
+
+def _radius_um(path: Path, ids: Integers) -> Floats:
+    """Mean radius of each trajectory, shape (len(ids),), rows weighted by the uncertainty that they state."""
+    weights, sums = np.zeros(len(ids)), np.zeros(len(ids))
+    names = ["trajectory_id", "r_um", "r_px", "r_std_px"]
+    with pq.ParquetFile(path) as table:
+        for batch in table.iter_batches(_ROWS_AT_ONCE, columns=names):
+            row_ids, r_um, r_px, r_std_px = (batch[name].to_numpy() for name in names)
+            number = np.searchsorted(ids, row_ids)
+            relative = np.nan_to_num(r_std_px / r_px)  # not known of droplets of the first version
+            weight = 1 / (r_um**2 * (relative**2 + _LEAST_RADIUS_STD**2))
+            weights += np.bincount(number, weight, len(ids))
+            sums += np.bincount(number, weight * r_um, len(ids))
+    return np.asarray(sums / np.maximum(weights, np.finfo(float).tiny))
+
+
+def _line(by_trajectory: _Sums, by_block: _Sums, bins: Floats, *, n_rows: int) -> _Line:
+    n_trajectories = by_trajectory.n()
     n, x, y, yy = bins
     known = n > 1
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -204,9 +252,8 @@ def _line(xx: Floats, xy: Floats, bins: Floats, *, n_rows: int) -> _Line:
         n_independent = np.maximum(n[known] * n_trajectories / max(n_rows, 1), 1.0)
         std = np.sqrt(np.maximum((yy / n)[known] - mean**2, 0) / n_independent)
         centre = (x / n)[known]
-    if n_trajectories < 3 or xx.sum() <= 0:
+    if n_trajectories < 3:
         return _Line(np.nan, np.nan, n_rows, n_trajectories, centre, mean, std)
-    slope = float(xy.sum() / xx.sum())
-    scatter = xy - slope * xx
-    slope_std = np.sqrt((scatter**2).sum() * n_trajectories / (n_trajectories - 1)) / xx.sum()
-    return _Line(slope, float(slope_std), n_rows, n_trajectories, centre, mean, std)
+    slope = float(by_trajectory.xy.sum() / by_trajectory.xx.sum())
+    slope_std = max(sums.slope_std(slope) for sums in (by_trajectory, by_block))
+    return _Line(slope, slope_std, n_rows, n_trajectories, centre, mean, std)

@@ -17,7 +17,7 @@ from dropflow.statistics.flow_bins import BinnedFlow, bin_flow, edges_of_oscilla
 from dropflow.statistics.flow_correlation import FlowCorrelation
 from dropflow.statistics.flow_moments import FlowMoments, coarsen_flow
 from dropflow.statistics.growth import Growth, growth_by_radius, swept_growth_um_s
-from dropflow.statistics.histograms import FrameHistograms, radius_edges_um
+from dropflow.statistics.histograms import FrameHistograms, coarsen, radius_edges_um
 from dropflow.statistics.in_sight import InSight
 from dropflow.statistics.lengths import ObservedDepth, TrajectoryLengths, trajectory_lengths
 from dropflow.statistics.oscillations import Oscillations, Signal, find_oscillations
@@ -203,11 +203,12 @@ class Findings:
         )
         if depth_um is None or not len(whole):
             return None
-        density = size_distribution(whole, area_um2=self.facts.area_um2, observation_depth_um=depth_um)
+        mean = coarsen(whole, 1)
+        density = size_distribution(mean, area_um2=self.facts.area_um2, observation_depth_um=depth_um)
         return swept_growth_um_s(
             self.growth.rate.x,
             whole.radius_um,
-            (density.density * np.diff(whole.edges_um)).mean(axis=0),
+            density.density[0] * np.diff(whole.edges_um),
             delta_density_kg_m3=self.material.delta_density_kg_m3,
             viscosity_pa_s=self.material.viscosity_pa_s,
         )
