@@ -15,7 +15,8 @@ from backend.platform.dependencies import EditorDependency, PlatformDependency, 
 from backend.platform.problems import InvalidRequest, responses
 from backend.platform.store_errors import StoreAway, StoreFull
 from backend.stacks import service, upload
-from backend.stacks.errors import RunsExist, StackClosed, TooLarge, WrongKind
+from backend.stacks.clock import Clock, clock
+from backend.stacks.errors import RunsExist, StackClosed, StackNotReady, TooLarge, WrongKind
 from backend.stacks.images import PictureKind, as_picture
 from backend.stacks.pictures import read_frame
 from backend.stacks.schemas import File, FileQuery, Files, Role
@@ -98,6 +99,14 @@ def stack_complete(
 def stack_delete(session: SessionDependency, viewer: EditorDependency, experiment_id: UUID) -> Experiment:
     """Remove all uploaded files, to upload others."""
     return shown(session, viewer, service.clear(session, viewer, experiment_id))
+
+
+@router.get("/clock", responses=responses(NoSuchExperiment, StackNotReady, InvalidRequest))
+def clock_get(
+    session: SessionDependency, platform: PlatformDependency, viewer: ViewerDependency, experiment_id: UUID
+) -> Clock:
+    """Get the time of each frame, and its temperature where there is a log."""
+    return clock(session, platform.store, viewer, experiment_id)
 
 
 @router.get(

@@ -93,6 +93,7 @@ NEEDS = {
     "stack_complete": Needs.EDIT,
     "stack_delete": Needs.EDIT,
     "frames_picture": Needs.VIEW,
+    "clock_get": Needs.VIEW,
     "imports_look": Needs.EDIT,
     "imports_create": Needs.EDIT,
     "uploads_plan": Needs.EDIT,

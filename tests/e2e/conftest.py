@@ -7,6 +7,7 @@ import pytest
 from playwright.sync_api import Page, expect
 
 from tests.e2e.browser import open_page
+from tests.e2e.film import simulate
 from tests.services import RunningService
 
 FAILED = pytest.StashKey[bool]()
@@ -30,3 +31,10 @@ def page(service: RunningService, request: pytest.FixtureRequest, tmp_path: Path
             picture = tmp_path / "page.png"
             opened.screenshot(path=picture, full_page=True)
             request.node.add_report_section("call", "page", f"The page as it was: {picture}")
+
+
+@pytest.fixture(scope="session")
+def film(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("e2e") / "film"
+    simulate(folder)
+    return folder

@@ -1,11 +1,8 @@
 """The main job, as a person does it: describe a film, drop its folder, wait, read the numbers."""
 
 import json
-import os
 import re
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +12,7 @@ from playwright.sync_api import Page, expect
 from polars.testing import assert_frame_equal
 
 from tests.e2e.browser import drop, serious_findings
-from tests.services import ROOT
+from tests.e2e.film import TARGET, describe_film, dropflow
 
 pytestmark = [pytest.mark.e2e, pytest.mark.timeout(240)]
 
@@ -36,21 +33,6 @@ OF_FLOW = {
 }
 
 
-def dropflow(*arguments: str | Path) -> None:
-    command = Path(sys.executable).with_name("dropflow")
-    variables = {**os.environ, "OMP_NUM_THREADS": "1", "NUMBA_NUM_THREADS": "1"}
-    subprocess.run([command, *arguments], check=True, cwd=ROOT, env=variables, capture_output=True)
-
-
-@pytest.fixture(scope="session")
-def film(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("e2e") / "film"
-    dropflow(
-        "simulate", folder, "--scenario", "easy", "--frames", "6", "--seed", "3", "--height", "512", "--width", "612"
-    )
-    return folder
-
-
 @pytest.fixture(scope="session")
 def summary(film: Path) -> dict[str, Any]:
     """What the command says about the film."""
@@ -68,25 +50,12 @@ def number(text: str) -> float:
     return float(found[0])
 
 
-def describe_film(page: Page, name: str) -> None:
-    typed = {
-        "Name": name,
-        "Pixel size": "0.625",
-        "Frame interval": "0.5",
-        "Density difference": "-20",
-        "Viscosity": "0.001",
-    }
-    for label, text in typed.items():
-        page.get_by_role("textbox", name=re.compile(f"^{label}")).fill(text)
-    page.get_by_role("radiogroup", name="Droplets").get_by_text("Bright").click()
-
-
 def test_the_page_gives_the_numbers_that_the_command_gives(page: Page, film: Path, summary: dict[str, Any]) -> None:
     page.goto("/")
     page.get_by_role("link", name="New experiment").first.click()
     describe_film(page, "main job")
     page.get_by_label("Flat field file", exact=True).set_input_files(film / "flat_field.tif")
-    drop(page, "Drop a folder, images, a film or a ZIP here", film / "frames")
+    drop(page, TARGET, film / "frames")
     expect(page.get_by_text("7 files will be sent")).to_be_visible()
     assert serious_findings(page) == []
 
@@ -158,7 +127,7 @@ def test_frames_that_cannot_be_used_are_refused_with_the_file(page: Page, film: 
     damaged.write_bytes(damaged.read_bytes()[:-1000])
     page.goto("experiments/new")
     describe_film(page, "with a damaged frame")
-    drop(page, "Drop a folder, images, a film or a ZIP here", frames)
+    drop(page, TARGET, frames)
     page.get_by_role("button", name="Create and upload").click()
     refusal = page.get_by_role("alert")
     expect(refusal).to_contain_text("These frames cannot be used", timeout=MINUTES)

@@ -15,12 +15,12 @@ from playwright.sync_api import Page, expect
 
 from deploy.local.processes import kill_group
 from tests.e2e.browser import drop, open_page, serious_findings
+from tests.e2e.film import TARGET
 from tests.films import EXPERIMENT, tiff
 from tests.services import ROOT, RunningService, running_service, scratch_folder
 
 pytestmark = [pytest.mark.e2e, pytest.mark.slow]
 
-TARGET = "Drop a folder, images, a film or a ZIP here"
 N_FILES = 150
 SOME_ARRIVED = "() => /[1-9][0-9]* MB of 1[0-9]+ MB/.test(document.body.innerText)"
 

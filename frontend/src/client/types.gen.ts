@@ -198,6 +198,22 @@ export type ChangeWebhook = {
 };
 
 /**
+ * Clock
+ *
+ * One value a frame.
+ */
+export type Clock = {
+    /**
+     * Temperature C
+     */
+    temperature_c: Array<number> | null;
+    /**
+     * Time S
+     */
+    time_s: Array<number>;
+};
+
+/**
  * ComparedField
  *
  * A field in which not all runs are alike.
@@ -4119,6 +4135,64 @@ export type ExperimentsUpdateResponses = {
 };
 
 export type ExperimentsUpdateResponse = ExperimentsUpdateResponses[keyof ExperimentsUpdateResponses];
+
+export type ClockGetData = {
+    body?: never;
+    path: {
+        /**
+         * Experiment Id
+         */
+        experiment_id: string;
+    };
+    query?: never;
+    url: '/api/v1/experiments/{experiment_id}/clock';
+};
+
+export type ClockGetErrors = {
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Conflict
+     */
+    409: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type ClockGetError = ClockGetErrors[keyof ClockGetErrors];
+
+export type ClockGetResponses = {
+    /**
+     * Successful Response
+     */
+    200: Clock;
+};
+
+export type ClockGetResponse = ClockGetResponses[keyof ClockGetResponses];
 
 export type ExperimentsEventsData = {
     body?: never;

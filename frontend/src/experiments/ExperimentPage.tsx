@@ -3,7 +3,7 @@ import { useQuery } from "@tanstack/react-query";
 import { getRouteApi, Link } from "@tanstack/react-router";
 import type { Experiment } from "../client";
 import { FramePlayer } from "../frames/FramePlayer";
-import { frameSource, timeOfFrame } from "../frames/source";
+import { frameSource, useStamp } from "../frames/source";
 import { apiUrl } from "../platform/base";
 import { Empty } from "../platform/Empty";
 import { useLiveQuery } from "../platform/live";
@@ -121,6 +121,7 @@ function Frames({ experiment }: { experiment: Experiment }) {
   const { frame = 0 } = route.useSearch();
   const navigate = route.useNavigate();
   const source = frameSource(experiment);
+  const stamp = useStamp(experiment);
   if (!source) return null;
   const shown = Math.min(frame, source.n_frames - 1);
   return (
@@ -130,7 +131,7 @@ function Frames({ experiment }: { experiment: Experiment }) {
         frame={shown}
         onFrame={(to) => navigate({ search: { frame: to }, replace: true, resetScroll: false })}
         label={`Frame ${shown} of ${experiment.experiment.name}`}
-        timeOf={(which) => timeOfFrame(experiment, which)}
+        timeOf={stamp}
         fileName={String(experiment.experiment.name)}
       />
     </Panel>

@@ -3,7 +3,7 @@ import { Link } from "@tanstack/react-router";
 import type { Experiment } from "../client";
 import { formatCount, formatDuration, formatNumber, plural } from "../platform/format";
 import { pictureUrl } from "./pictures";
-import { frameSource, timeOfFrame } from "./source";
+import { frameSource, useStamp } from "./source";
 
 const SIDE_PX = 600;
 
@@ -12,6 +12,7 @@ type FirstLookProps = { experiment: Experiment; isRight: boolean; onRight: (isRi
 /** The first frames and the last, their numbering and their scale, for a person to say that this is their film. */
 export function FirstLook({ experiment, isRight, onRight }: FirstLookProps) {
   const source = frameSource(experiment);
+  const stamp = useStamp(experiment);
   if (!source) return null;
   const { stack } = experiment;
   const shown = [...new Set([0, Math.min(1, source.n_frames - 1), source.n_frames - 1])];
@@ -33,7 +34,7 @@ export function FirstLook({ experiment, isRight, onRight }: FirstLookProps) {
             <Text component="figcaption" fz="xs" c="dimmed" className="numbers">
               Frame {formatCount(frame)}
               {frame > 0 && frame === source.n_frames - 1 && ", the last"}
-              {timeOfFrame(experiment, frame) && `, ${timeOfFrame(experiment, frame)}`}
+              {stamp(frame) && `, ${stamp(frame)}`}
             </Text>
           </figure>
         ))}

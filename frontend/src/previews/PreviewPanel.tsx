@@ -5,7 +5,7 @@ import { useMemo, useState } from "react";
 import type { Experiment, FrameDroplets, LinkPreview, Preview } from "../client";
 import type { Document } from "../forms/document";
 import { FramePlayer } from "../frames/FramePlayer";
-import { frameSource, timeOfFrame } from "../frames/source";
+import { frameSource, useStamp } from "../frames/source";
 import { type View, wholeFrame } from "../frames/viewport";
 import { formatCount, formatNumber, plural } from "../platform/format";
 import { Panel } from "../platform/Panel";
@@ -63,6 +63,7 @@ type LookProps = {
 };
 
 function DropletLook({ experiment, source, frame, setFrame, parameters, isValid }: LookProps) {
+  const stamp = useStamp(experiment);
   const [view, setView] = useState<View>(() => wholeFrame(source));
   const [seen] = useDebouncedValue(view, PAUSE_MS);
   const [hasRejected, setRejected] = useState(false);
@@ -105,7 +106,7 @@ function DropletLook({ experiment, source, frame, setFrame, parameters, isValid 
         paint={paint}
         picture={picture ?? undefined}
         label={`Preview of frame ${frame}: ${shown ? plural(shown.x_px.length, "droplet") : "not looked at yet"}`}
-        timeOf={(which) => timeOfFrame(experiment, which)}
+        timeOf={stamp}
         view={view}
         onView={setView}
         onPick={(point) => setPicked(shown ? whatIsAt(shown, point, hasRejected) : null)}
@@ -154,6 +155,7 @@ function asDroplets(found: Pick<Preview, "x_px" | "y_px" | "r_px" | "match">, fr
 }
 
 function LinkLook({ experiment, source, frame, setFrame, parameters, isValid }: LookProps) {
+  const stamp = useStamp(experiment);
   const last = source.n_frames - 2;
   const here = Math.min(frame, last);
   const query = useQuery({
@@ -178,7 +180,7 @@ function LinkLook({ experiment, source, frame, setFrame, parameters, isValid }: 
         onFrame={setFrame}
         paint={paint}
         label={`Following from frame ${here} to the next. ${links ? describeLinks(links) : ""}`}
-        timeOf={(which) => timeOfFrame(experiment, which)}
+        timeOf={stamp}
         fileName={`${String(experiment.experiment.name)}-following`}
         beside={
           <Text fz="xs" c="dimmed">

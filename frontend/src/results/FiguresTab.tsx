@@ -18,6 +18,9 @@ const GROUPS: Record<string, string> = {
   frame: "How a frame is read",
 };
 
+/** What most come for. */
+const USUAL_FIGURE = "size_distribution_after";
+
 function grouped(entries: FigureEntry[]): [string, FigureEntry[]][] {
   const groups = new Map<string, FigureEntry[]>();
   for (const entry of entries) groups.set(entry.group, [...(groups.get(entry.group) ?? []), entry]);
@@ -37,7 +40,11 @@ export function FiguresTab({ run, experiment }: { run: Run; experiment: Experime
 function Figures({ run, experiment, entries }: { run: Run; experiment: Experiment; entries: FigureEntry[] }) {
   const { search, change } = useView();
   const { ranges, zoom, clear } = useSharedRanges();
-  const shown = entries.find(({ name }) => name === search.figure) ?? entries.find((one) => one.is_available);
+  const available = entries.filter((one) => one.is_available);
+  const shown =
+    entries.find(({ name }) => name === search.figure) ??
+    available.find(({ name }) => name === USUAL_FIGURE) ??
+    available[0];
   if (!shown) return <Text c="dimmed">There is no figure yet.</Text>;
   const needs = new Set(shown.parameters.filter((one) => one.is_required).map(({ name }) => name));
   const takesFrame = shown.parameters.some(({ name }) => name === "frame");
@@ -125,8 +132,8 @@ function Figures({ run, experiment, entries }: { run: Run; experiment: Experimen
           />
         )}
         <Text fz="xs" c="dimmed">
-          {plural(entries.filter((one) => one.is_available).length, "figure")} of {entries.length} are there.
-          The camera above a figure saves it as SVG.
+          {plural(available.length, "figure")} of {entries.length} are there. The camera above a figure saves
+          it as SVG.
         </Text>
       </Stack>
     </div>

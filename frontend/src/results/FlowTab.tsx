@@ -5,7 +5,7 @@ import type { Experiment, FlowMap, Run } from "../client";
 import { FramePlayer } from "../frames/FramePlayer";
 import type { Painter } from "../frames/pen";
 import { neighbours } from "../frames/pictures";
-import { frameSource, timeOfFrame } from "../frames/source";
+import { frameSource, useStamp } from "../frames/source";
 import { viewFromText, viewToText } from "../frames/viewport";
 import { formatCount, formatNumber } from "../platform/format";
 import { Panel } from "../platform/Panel";
@@ -60,6 +60,7 @@ function FlowField({ run, experiment }: { run: Run; experiment: Experiment }) {
   const { ranges } = useSharedRanges();
   const cache = useQueryClient();
   const source = useMemo(() => frameSource(experiment), [experiment]);
+  const stamp = useStamp(experiment);
   const n_steps = Math.max(1, (source?.n_frames ?? 2) - 1);
   const isMean = search.mean === true;
   const frame = Math.min(search.frame ?? 0, n_steps - 1);
@@ -101,7 +102,7 @@ function FlowField({ run, experiment }: { run: Run; experiment: Experiment }) {
           paint={paint}
           sceneryOf={isMean ? undefined : sceneryOf}
           label={`Flow field. ${map ? describe(map, isMean) : ""}`}
-          timeOf={(which) => (isMean ? undefined : timeOfFrame(experiment, which))}
+          timeOf={isMean ? undefined : stamp}
           view={viewFromText(search.view)}
           onView={(next) => change({ view: viewToText(next) })}
           fileName={`${String(experiment.experiment.name)}-run-${run.number}-flow`}

@@ -2,7 +2,7 @@ import { Box, Group, Loader, SegmentedControl, Stack, Switch, Text } from "@mant
 import { useCallback, useMemo, useState } from "react";
 import type { Experiment, FrameDroplets, Preview, Run } from "../client";
 import { FramePlayer } from "../frames/FramePlayer";
-import { frameSource, timeOfFrame } from "../frames/source";
+import { frameSource, useStamp } from "../frames/source";
 import { viewFromText, viewToText } from "../frames/viewport";
 import { formatNumber, plural } from "../platform/format";
 import { Panel } from "../platform/Panel";
@@ -24,6 +24,7 @@ export function FramesTab({ run, experiment }: { run: Run; experiment: Experimen
   const { search, change } = useView();
   const { frame = 0, layers = USUAL_LAYERS, colour, view, droplet } = search;
   const source = useMemo(() => frameSource(experiment), [experiment]);
+  const stamp = useStamp(experiment);
   const shown = Math.min(frame, (source?.n_frames ?? 1) - 1);
   const isTracked = availability(run, "track") === "whole";
   const found = useFrameResults(run, shown, source?.n_frames ?? 1, layers);
@@ -74,7 +75,7 @@ export function FramesTab({ run, experiment }: { run: Run; experiment: Experimen
             sceneryOf={sceneryOf}
             picture={look.picture}
             label={`Frame ${shown} with droplets and flow. ${describe(droplets, shown)}`}
-            timeOf={(which) => timeOfFrame(experiment, which)}
+            timeOf={stamp}
             view={viewFromText(view)}
             onView={(next) => change({ view: viewToText(next) })}
             onPick={isTracked || hasRejected ? pick : undefined}

@@ -5,7 +5,11 @@ import type { Experiment, Run } from "../client";
 import { Loading } from "../platform/QueryView";
 import { TABS, type Tab } from "./view";
 
-const SizesTab = lazy(async () => ({ default: (await import("./SizesTab")).SizesTab }));
+// What most look at first, and what draws it, come while the run itself is still being asked for.
+const loadSizes = () => import("./SizesTab");
+void Promise.allSettled([loadSizes(), import("./plotly")]);
+
+const SizesTab = lazy(async () => ({ default: (await loadSizes()).SizesTab }));
 const TimeTab = lazy(async () => ({ default: (await import("./TimeTab")).TimeTab }));
 const FramesTab = lazy(async () => ({ default: (await import("./FramesTab")).FramesTab }));
 const FlowTab = lazy(async () => ({ default: (await import("./FlowTab")).FlowTab }));

@@ -5,9 +5,8 @@ import Plotly from "plotly.js/lib/core";
 import heatmap from "plotly.js/lib/heatmap";
 import histogram from "plotly.js/lib/histogram";
 import quiver from "plotly.js/lib/quiver";
-import scattergl from "plotly.js/lib/scattergl";
 
 // biome-ignore lint/suspicious/noExplicitAny: the type of a trace module is Plotly's own affair
-Plotly.register([bar, contour, heatmap, histogram, quiver, scattergl] as any);
+Plotly.register([bar, contour, heatmap, histogram, quiver] as any);
 
 export default Plotly;

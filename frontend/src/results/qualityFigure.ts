@@ -24,7 +24,7 @@ export function qualityFigure({ axis, factor = 1, series, right }: QualityPlot, 
   const [unit_s, unit] = timeUnit(Math.max(0, ...quality.time_s.slice(-1)));
   const x = quality.time_s.map((time) => time / unit_s);
   const line = ({ name, field, colour }: Line, scale: number, yaxis = "y") => ({
-    type: "scattergl",
+    type: "scatter",
     mode: "lines",
     name,
     x,
