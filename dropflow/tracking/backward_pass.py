@@ -11,6 +11,7 @@ from dropflow.tracking.film import Film
 from dropflow.tracking.filtering import VERDICTS, Trails
 from dropflow.tracking.front import Front
 from dropflow.tracking.identification import Indices
+from dropflow.tracking.notes import notes_of
 from dropflow.tracking.saving import load_columns, load_front, prefixed, save_columns, save_front, without_prefix
 from dropflow.tracking.stages import Tick
 
@@ -24,15 +25,18 @@ class BackwardPass:
 
     name = "backward"
 
-    def __init__(self, film: Film, chain: Chain, found: Spool, rows: Spool, verdicts: Spool) -> None:
+    def __init__(self, film: Film, chain: Chain, found: Spool, notes: Spool, rows: Spool, verdicts: Spool) -> None:
         self._film = film
         self._chain = chain
         self._found = found
+        self._notes = notes
         self._rows = rows
         self._verdicts = verdicts
         self._front = Front.empty()
         self._trails = Trails.begin(self._front, film.n_frames)
         self._walk = chain.backward()
+        self._notes_of_step: Arrays = {}
+        """Those of the step into the frame of the front."""
         self._merged = np.empty((0, 2), np.int64)
         self.n_parts = film.n_parts
 
@@ -47,13 +51,14 @@ class BackwardPass:
     def run(self, turn: int, tick: Tick) -> None:
         """Track back through the frames of one part."""
         part = self.n_parts - 1 - turn
-        found = self._found.read(part)
+        found, notes = self._found.read(part), self._notes.read(part)
         frames = found["frame"].to_numpy()
         tables: list[pa.Table] = []
         complete: list[Trails] = []
         for frame in reversed(self._film.frames_of(part)):
             start, stop = np.searchsorted(frames, [frame, frame + 1])
             complete.append(self._step_to(frame, Front.from_table(found.slice(start, stop - start))))
+            self._notes_of_step = notes_of(notes, frame)
             tables.append(self._front.to_table(frame))
             tick()
         if part == 0:
@@ -71,7 +76,7 @@ class BackwardPass:
         if frame + 1 < self._film.n_frames:
             motion = self._film.motion(self._chain.motion, frame)
             look = self._film.look_at(frame)
-            step = self._walk.step(self._front, earlier, look, self._film.dt_s(frame), motion)
+            step = self._walk.step(self._front, earlier, look, self._film.dt_s(frame), motion, self._notes_of_step)
             earlier, predicted_px = step.front, step.predicted_px
             self._merged = np.concatenate([self._merged, np.column_stack([step.merged, step.merged_into])])
         self._front = earlier
@@ -94,6 +99,7 @@ class BackwardPass:
             **save_front("front", self._front),
             **save_columns("trails", self._trails),
             **prefixed("walk.", self._walk.state()),
+            **prefixed("notes.", self._notes_of_step),
             "merged": self._merged,
         }
 
@@ -102,4 +108,5 @@ class BackwardPass:
         self._front = load_front("front", arrays)
         self._trails = load_columns("trails", Trails, arrays)
         self._walk.restore(without_prefix("walk.", arrays))
+        self._notes_of_step = without_prefix("notes.", arrays)
         self._merged = arrays["merged"]

@@ -38,14 +38,20 @@ class LaterWalk(Walk, Protocol):
         ...
 
 
+@dataclass(frozen=True)
+class StepForward:
+    """Where all trajectories are, and what the way back is to know."""
+
+    front: Front
+    notes: Arrays
+    """Each of shape (n,), float64. On the way back they are given for the same step."""
+
+
 class ForwardWalk(Walk, Protocol):
     """From frame to frame (section 3.3.1)."""
 
-    def step(self, detected: Droplets, look: Look | None, dt_s: float, motion: Motion) -> Front:
-        """Go on by `dt_s` to the frame with these detections, droplets moving as `motion` says in this step.
-
-        Returns where all trajectories are in it.
-        """
+    def step(self, detected: Droplets, look: Look | None, dt_s: float, motion: Motion) -> StepForward:
+        """Go on by `dt_s` to the frame with these detections, droplets moving as `motion` says in this step."""
         ...
 
 
@@ -64,8 +70,13 @@ class StepBack:
 class BackwardWalk(LaterWalk, Protocol):
     """From frame to the frame before (section 3.3.2)."""
 
-    def step(self, later: Front, earlier: Front, look: Look | None, dt_s: float, motion: Motion) -> StepBack:
-        """Look in the earlier frame, `dt_s` before, for the droplets whose trajectories begin in the later one."""
+    def step(
+        self, later: Front, earlier: Front, look: Look | None, dt_s: float, motion: Motion, notes: Arrays, /
+    ) -> StepBack:
+        """Look in the earlier frame, `dt_s` before, for the droplets whose trajectories begin in the later one.
+
+        `notes` are those of the step forward.
+        """
         ...
 
 

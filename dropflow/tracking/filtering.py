@@ -9,7 +9,7 @@ import pyarrow as pa
 
 from dropflow.tracking.front import Front
 from dropflow.tracking.grid import Column
-from dropflow.tracking.identification import Indices
+from dropflow.tracking.identification import Indices, all_but, in_both
 
 
 class Reason(StrEnum):
@@ -84,10 +84,9 @@ class Trails:
         Returns the trails of the trajectories in `front`, and those that are complete: they are not in it.
         """
         here = Trails.begin(front, frame)
-        _, old, new = np.intersect1d(self.trajectory_id, here.trajectory_id, assume_unique=True, return_indices=True)
-        has_ended = np.ones(len(self), bool)
-        has_ended[old] = False
-        return here._join(new, self, old, predicted_step_px), self[has_ended]
+        both = in_both(self.trajectory_id, here.trajectory_id)
+        joined = here._join(both.second, self, both.first, predicted_step_px)
+        return joined, self[all_but(len(self), both.first)]
 
     def to_verdicts(self, why: npt.NDArray[np.str_]) -> pa.Table:
         """Rows of `VERDICTS`, in the order of the trails."""
@@ -118,19 +117,27 @@ class Trails:
 
 
 def reasons(
-    trails: Trails, *, shortest_frames: int, stationary_fraction: float, least_evidence: float | None = None
+    trails: Trails,
+    *,
+    shortest_frames: int,
+    stationary_fraction: float,
+    least_evidence: float = -np.inf,
+    sure_pair_evidence: float = np.inf,
 ) -> npt.NDArray[np.str_]:
     """Why each complete trajectory is rejected, shape (n,); an empty word for those that are kept.
 
     Too short ones go first. Of the others go those that moved by less than `stationary_fraction` of the way that they
     were predicted to go in the same time, start to end. The prediction is that of their own place and size: a mean
     over the film would condemn droplets wherever the fluid is slow or flows against their sedimentation. At last go
-    those that have less than `least_evidence`, where there is such a limit.
+    those that have less than `least_evidence`.
+
+    Where three frames are enough, two are as well if their pair alone has `sure_pair_evidence`.
     """
     moved_px = np.hypot(trails.last_x_px - trails.first_x_px, trails.last_y_px - trails.first_y_px)
     predicted_px = np.hypot(trails.predicted_x_px, trails.predicted_y_px)
     is_stationary = moved_px < stationary_fraction * predicted_px
-    is_short = trails.n_frames < shortest_frames
-    is_doubtful = trails.evidence < (-np.inf if least_evidence is None else least_evidence)
+    is_sure_pair = (trails.n_detected == 2) & (trails.evidence >= sure_pair_evidence) & (shortest_frames <= 3)
+    is_short = (trails.n_frames < shortest_frames) & ~is_sure_pair
+    is_doubtful = trails.evidence < least_evidence
     conditions = [is_short, is_stationary, is_doubtful]
     return np.select(conditions, [str(Reason.SHORT), str(Reason.STATIONARY), str(Reason.DOUBTFUL)], default="")

@@ -29,6 +29,8 @@ class Spools:
 
     found: Spool
     """Rows as forward tracking found them."""
+    notes: Spool
+    """What forward tracking leaves for backward tracking."""
     linked: Spool
     """Rows after backward tracking."""
     verdicts: Spool

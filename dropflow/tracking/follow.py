@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from dropflow.droplets import Droplets
-from dropflow.tracking.identification import Indices, Pairs, greedy, same_droplets
+from dropflow.tracking.identification import Indices, Pairs, all_but, greedy, same_droplets
 
 Look = Callable[[Droplets], tuple[Droplets, npt.NDArray[np.bool_]]]
 """`dropflow.detection.contract.Detector.find_near` on the image of one frame."""
@@ -40,9 +40,9 @@ def follow(
     given up; what it shows at a candidate nobody has claimed is that candidate.
     """
     nothing = Followed(paired, np.empty(0, np.int64), Droplets.empty())
-    missing = np.setdiff1d(np.arange(len(predicted)), paired.first)
-    if look is None or not len(missing):
+    if look is None or len(paired) == len(predicted):
         return nothing
+    missing = all_but(len(predicted), paired.first)
     sighted, is_good = look(predicted[missing])
     missing, sighted = missing[is_good], sighted[is_good]
     claimed = Droplets.concatenate([taken, candidates[paired.second]])
@@ -50,7 +50,7 @@ def follow(
     missing, sighted = missing[~is_branch], sighted[~is_branch]
     kept = _without_twins(predicted[missing], sighted, similar_ratio)
     missing, sighted = missing[kept], sighted[kept]
-    free = np.setdiff1d(np.arange(len(candidates)), paired.second)
+    free = all_but(len(candidates), paired.second)
     same = same_droplets(sighted, candidates[free], similar_ratio)
     distance = _distance(sighted[same.first], candidates[free[same.second]])
     recovered = greedy(same.first, same.second, distance)

@@ -5,6 +5,7 @@ import pyarrow as pa
 from dropflow.tracking.chain import Chain
 from dropflow.tracking.checkpoint import Arrays, Spool
 from dropflow.tracking.film import Film
+from dropflow.tracking.notes import notes_to_table
 from dropflow.tracking.stages import Tick
 
 
@@ -13,9 +14,10 @@ class ForwardPass:
 
     name = "forward"
 
-    def __init__(self, film: Film, chain: Chain, rows: Spool) -> None:
+    def __init__(self, film: Film, chain: Chain, rows: Spool, notes: Spool) -> None:
         self._film = film
         self._rows = rows
+        self._notes = notes
         self._chain = chain
         self._walk = chain.forward()
         self.n_parts = film.n_parts
@@ -29,14 +31,16 @@ class ForwardPass:
 
     def run(self, turn: int, tick: Tick) -> None:
         """Track through the frames of one part."""
-        tables = []
+        tables, notes = [], []
         for frame in self._film.frames_of(turn):
             dt_s = self._film.dt_s(frame - 1) if frame else 1.0  # into the first frame nothing moves
             motion = self._film.motion(self._chain.motion, max(frame - 1, 0))
-            front = self._walk.step(self._film.detected(frame), self._film.look_at(frame), dt_s, motion)
-            tables.append(front.to_table(frame))
+            step = self._walk.step(self._film.detected(frame), self._film.look_at(frame), dt_s, motion)
+            tables.append(step.front.to_table(frame))
+            notes.append(notes_to_table(step.notes, frame))
             tick()
         self._rows.write(turn, pa.concat_tables(tables))
+        self._notes.write(turn, pa.concat_tables(notes))
 
     def state(self) -> Arrays:
         """The walk's."""

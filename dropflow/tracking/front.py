@@ -8,7 +8,7 @@ import pyarrow as pa
 
 from dropflow.droplets import Droplets
 from dropflow.tracking.grid import Column
-from dropflow.tracking.identification import Indices
+from dropflow.tracking.identification import Indices, in_both
 
 ROWS = pa.schema(
     [
@@ -100,7 +100,5 @@ class Links:
     @staticmethod
     def between(earlier: Front, later: Front) -> "Links":
         """Trajectories that both fronts have, in the order of their ids."""
-        _, in_earlier, in_later = np.intersect1d(
-            earlier.trajectory_id, later.trajectory_id, assume_unique=True, return_indices=True
-        )
-        return Links(in_earlier, in_later)
+        both = in_both(earlier.trajectory_id, later.trajectory_id)
+        return Links(both.first, both.second)

@@ -25,6 +25,20 @@ class Pairs:
         return len(self.first)
 
 
+def all_but(n: int, some: Indices) -> Indices:
+    """Indices below `n` that are not among `some`, ascending."""
+    is_left = np.ones(n, bool)
+    is_left[some] = False
+    return np.flatnonzero(is_left)
+
+
+def in_both(these: Indices, others: Indices) -> Pairs:
+    """Where equal numbers stand in two ascending arrays, each without repetitions."""
+    at = np.searchsorted(others, these)
+    first = np.flatnonzero(np.append(others, -1)[at] == these) if len(others) else np.empty(0, np.int64)
+    return Pairs(first, at[first])
+
+
 def closest_pairs(
     predicted: Droplets, found: Droplets, *, reach_px: Column, similar_ratio: tuple[float, float]
 ) -> Pairs:

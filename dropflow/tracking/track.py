@@ -37,7 +37,7 @@ from dropflow.tracking.probable import ProbableChain
 from dropflow.tracking.stages import Stage
 
 _DONE = "done"
-_STATE_VERSION = 2
+_STATE_VERSION = 3
 """Of what checkpoints and spools hold: to be raised when an older one could not be gone on from."""
 _N_WALKS = 4
 """Forward, backward, final, and sorting, which counts as much as another walk."""
@@ -137,8 +137,8 @@ def track_film(
     spools = Spools.within(work)
     final = FinalPass(film, chain, spools, work / "flow.zarr", provenance)
     stages: list[Stage] = [
-        ForwardPass(film, chain, spools.found),
-        BackwardPass(film, chain, spools.found, spools.linked, spools.verdicts),
+        ForwardPass(film, chain, spools.found, spools.notes),
+        BackwardPass(film, chain, spools.found, spools.notes, spools.linked, spools.verdicts),
         final,
     ]
     steps = _Steps(progress, film.n_frames)

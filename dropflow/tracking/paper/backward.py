@@ -2,13 +2,12 @@
 
 from dataclasses import replace
 
-import numpy as np
-
 from dropflow.tracking.chain import StepBack
 from dropflow.tracking.checkpoint import Arrays
 from dropflow.tracking.flow import FlowField, still_flow
 from dropflow.tracking.follow import Look, follow
 from dropflow.tracking.front import Front, Links
+from dropflow.tracking.identification import all_but
 from dropflow.tracking.paper.rules import PaperRules
 from dropflow.tracking.prediction import Motion
 from dropflow.tracking.saving import load_flow, save_flow
@@ -21,7 +20,9 @@ class PaperBackward:
         self._rules = rules
         self._flow: FlowField | None = None
 
-    def step(self, later: Front, earlier: Front, look: Look | None, dt_s: float, motion: Motion) -> StepBack:
+    def step(
+        self, later: Front, earlier: Front, look: Look | None, dt_s: float, motion: Motion, _notes: Arrays
+    ) -> StepBack:
         """Look one frame earlier for the droplets whose trajectories begin in `later`."""
         step, flow = retreat(later, earlier, look, replace(self._rules, motion=motion), self._flow, dt_s)
         self._flow = flow if flow.is_known else self._flow
@@ -49,8 +50,8 @@ def retreat(
     flow to predict with if no trajectory spans the step. Returns also the flow of the step.
     """
     links = Links.between(earlier, later)
-    heads = np.setdiff1d(np.arange(len(later)), links.later)
-    tails = np.setdiff1d(np.arange(len(earlier)), links.earlier)
+    heads = all_but(len(later), links.later)
+    tails = all_but(len(earlier), links.earlier)
     flow = rules.flow_between(earlier.droplets[links.earlier], later.droplets[links.later], dt_s)
     usable = flow if flow.is_known else guess or still_flow(rules.grid)
     predicted = rules.motion.backward(later.droplets[heads], usable, dt_s)

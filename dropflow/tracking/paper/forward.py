@@ -5,12 +5,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dropflow.droplets import Droplets
+from dropflow.tracking.chain import StepForward
 from dropflow.tracking.checkpoint import Arrays
 from dropflow.tracking.first_flow import elect_pairs
 from dropflow.tracking.flow import FlowField, still_flow
 from dropflow.tracking.follow import Followed, Look, follow
 from dropflow.tracking.front import Front
-from dropflow.tracking.identification import Pairs
+from dropflow.tracking.identification import Pairs, all_but
 from dropflow.tracking.paper.rules import PaperRules
 from dropflow.tracking.prediction import Motion, moved
 from dropflow.tracking.saving import load_flow, load_front, save_flow, save_front
@@ -43,10 +44,10 @@ class PaperForward:
         self._rules = rules
         self._state = State.initial()
 
-    def step(self, detected: Droplets, look: Look | None, dt_s: float, motion: Motion) -> Front:
+    def step(self, detected: Droplets, look: Look | None, dt_s: float, motion: Motion) -> StepForward:
         """Go on to the frame with these detections."""
         self._state = advance(self._state, detected, look, replace(self._rules, motion=motion), dt_s)
-        return self._state.front
+        return StepForward(self._state.front, {})
 
     def state(self) -> Arrays:
         """Where the trajectories are, and the flow there."""
@@ -84,7 +85,7 @@ def advance(state: State, detected: Droplets, look: Look | None, rules: PaperRul
 def _continue(state: State, detected: Droplets, followed: Followed) -> Front:
     ids = state.front.trajectory_id
     paired, searched = followed.paired, followed.searched
-    unclaimed = np.setdiff1d(np.arange(len(detected)), paired.second)
+    unclaimed = all_but(len(detected), paired.second)
     new_ids = state.next_id + np.arange(len(unclaimed))
     parts = [
         Front.of(ids[paired.first], detected[paired.second], is_detected=True),

@@ -9,14 +9,14 @@ from dropflow.tracking.checkpoint import Arrays
 from dropflow.tracking.follow import Look, follow
 from dropflow.tracking.front import Front, Links
 from dropflow.tracking.grid import Column, Grid
+from dropflow.tracking.identification import all_but
 from dropflow.tracking.prediction import Motion
 from dropflow.tracking.probable.association import Chances, associate
 from dropflow.tracking.probable.expectation import Expectation, Predicted
 from dropflow.tracking.probable.flow_memory import FlowMemory
+from dropflow.tracking.probable.flow_record import load_flow, save_flow
 from dropflow.tracking.probable.forward import SIGHTING_EVIDENCE
-from dropflow.tracking.probable.least_squares import Observations
 from dropflow.tracking.probable.memory import Memory
-from dropflow.tracking.probable.observing import observe
 from dropflow.tracking.probable.regression import WaveFlow
 from dropflow.tracking.probable.search import SIMILAR_RATIO, sure_look
 from dropflow.tracking.saving import prefixed, without_prefix
@@ -34,17 +34,18 @@ class ProbableBackward:
         self._grid = grid
         self._motion = motion
         self._flow = FlowMemory(grid, motion.up)
+        self._last: WaveFlow | None = None
+        """The flow of the step after, for steps of which none was found."""
 
-    def step(self, later: Front, earlier: Front, look: Look | None, dt_s: float, motion: Motion) -> StepBack:
-        """Look one frame earlier for the droplets whose trajectories begin in `later`."""
+    def step(
+        self, later: Front, earlier: Front, look: Look | None, dt_s: float, motion: Motion, notes: Arrays
+    ) -> StepBack:
+        """Look one frame earlier for the droplets whose trajectories begin in `later`, in the flow found forward."""
         self._motion = motion
         links = Links.between(earlier, later)
-        heads = np.setdiff1d(np.arange(len(later)), links.later)
-        tails = np.setdiff1d(np.arange(len(earlier)), links.earlier)
-        before, after = earlier[links.earlier], later[links.later]
-        seen = self._observe(before, after, dt_s)
-        flow = self._flow.flow_with(seen, dt_s)
-        self._flow.learn(seen, flow, dt_s)
+        heads = all_but(len(later), links.later)
+        tails = all_but(len(earlier), links.earlier)
+        flow = self._last = load_flow(notes, motion.up) if notes else self._last
         predicted = self._expected(later[heads], flow, dt_s, self._grid.spacing_px(len(earlier)))
         ends = earlier.droplets[tails]
         density = max(len(tails), 1) / (self._grid.height_px * self._grid.width_px)
@@ -64,17 +65,6 @@ class ProbableBackward:
         front = Front.concatenate([replace(earlier, trajectory_id=ids), grown]).sorted()
         predicted_px = self._steps_px(front, flow, dt_s)
         return StepBack(front, earlier.trajectory_id[merged_tails], later.trajectory_id[merged_heads], predicted_px)
-
-    def _observe(self, before: Front, after: Front, dt_s: float) -> Observations:
-        return observe(
-            self._motion,
-            before.droplets,
-            after.droplets,
-            dt_s,
-            log_r=np.log(after.smooth_r_px),
-            log_r_variance=after.log_r_std**2,
-            weight=(before.is_seen & after.is_seen).astype(np.float64),
-        )
 
     def _expected(self, begin: Front, flow: WaveFlow | None, dt_s: float, spacing_px: float) -> Predicted:
         """Where the droplets of trajectories that begin were one frame earlier."""
@@ -98,8 +88,11 @@ class ProbableBackward:
 
     def state(self) -> Arrays:
         """What is known of the flow."""
-        return prefixed("flow.", self._flow.state())
+        last = {} if self._last is None else save_flow(self._last)
+        return {**prefixed("flow.", self._flow.state()), **prefixed("last.", last)}
 
     def restore(self, arrays: Arrays) -> None:
         """Go on from `arrays`."""
         self._flow.restore(without_prefix("flow.", arrays))
+        last = without_prefix("last.", arrays)
+        self._last = load_flow(last, self._motion.up) if last else None

@@ -14,9 +14,12 @@ from dropflow.tracking.probable.backward import ProbableBackward
 from dropflow.tracking.probable.flows import ProbableFlows
 from dropflow.tracking.probable.forward import ProbableForward
 
-_STATIONARY_FRACTION = 0.5
+_STATIONARY_FRACTION = 0.25
 _LEAST_EVIDENCE = 6.5
 """ln odds of a trajectory against chance: with it fewer than 1 in 100 random detections get into one."""
+
+_SURE_PAIR_EVIDENCE = 8.0
+"""ln odds of a single pair that needs no third frame to be believed."""
 
 
 @dataclass(frozen=True)
@@ -46,6 +49,7 @@ class ProbableChain:
             shortest_frames=self.tracking.shortest_trajectory_frames,
             stationary_fraction=_STATIONARY_FRACTION,
             least_evidence=_LEAST_EVIDENCE,
+            sure_pair_evidence=_SURE_PAIR_EVIDENCE,
         )
 
     def settings(self) -> Any:

@@ -76,8 +76,8 @@ class Expectation:
         if self.flow is None:
             unknown = np.full(len(droplets), (_UNKNOWN_FLOW_SPACINGS * self.spacing_px) ** 2)
             return step_px, unknown, unknown
-        for _ in range(2):
-            x_px, y_px = droplets.x_px + step_px[0] / 2, droplets.y_px + step_px[1] / 2
-            step_px = (own_um_s + self.flow.at(x_px, y_px)) * px
-        variance = (self.flow.variance_at(x_px, y_px) + self.change_um_s**2) * px**2
-        return step_px, variance[0], variance[1]
+        flow_um_s = self.flow.at(droplets.x_px + step_px[0] / 2, droplets.y_px + step_px[1] / 2)
+        step_px = (own_um_s + flow_um_s) * px
+        flow_um_s, variance = self.flow.with_variance(droplets.x_px + step_px[0] / 2, droplets.y_px + step_px[1] / 2)
+        variance = (variance + self.change_um_s**2) * px**2
+        return (own_um_s + flow_um_s) * px, variance[0], variance[1]

@@ -7,11 +7,10 @@ import numpy as np
 from dropflow.tracking.checkpoint import Arrays
 from dropflow.tracking.grid import CornerGrid, Grid
 from dropflow.tracking.probable.directions import Up
+from dropflow.tracking.probable.flow_record import load_flow, load_model, save_flow, save_model
 from dropflow.tracking.probable.least_squares import Model, Observations
 from dropflow.tracking.probable.regression import WaveFlow, regress
-from dropflow.tracking.probable.spectrum import Spectrum
 from dropflow.tracking.probable.spectrum_estimate import estimate_spectrum
-from dropflow.tracking.probable.waves import Waves
 from dropflow.tracking.saving import load_columns, prefixed, save_columns, without_prefix
 
 _MOST_REMEMBERED = 3
@@ -86,7 +85,9 @@ class FlowMemory:
         """The flow of the step that follows, `dt_s` long, from what was seen of it and in the steps before."""
         parts = [self._aged(step, age + dt_s / 2) for step, age in zip(self._steps, self._ages_s, strict=True)]
         together = Observations.concatenate([*parts, seen])
-        return regress(together, self.model) if self.model and len(together) else None
+        if self.model is None or not len(together):
+            return None
+        return regress(together, self.model, like=self.last)
 
     def learn(self, seen: Observations, flow: WaveFlow | None, dt_s: float) -> None:
         """Remember a step that is over: what was seen of it and the flow that was found."""
@@ -139,7 +140,7 @@ class FlowMemory:
         """Take the model from the state of another memory of the same film; it is as good as after many steps."""
         model = without_prefix("model.", arrays)
         if model:
-            self.model = _load_model(model, self._up)
+            self.model = load_model(model, self._up)
             self.change_um_s2 = float(arrays["change_um_s2"])
             self._n_steps = _ESTIMATED_AFTER[-1]
 
@@ -150,10 +151,9 @@ class FlowMemory:
         for index, step in enumerate(self._steps):
             arrays |= save_columns(f"step{index}", step)
         if self.model is not None:
-            arrays |= prefixed("model.", _save_model(self.model))
+            arrays |= prefixed("model.", save_model(self.model))
         if self.last is not None:
-            last = {"amplitudes": self.last.amplitudes, "factor": self.last.factor}
-            arrays |= prefixed("last.", last | prefixed("model.", _save_model(self.last.model)))
+            arrays |= prefixed("last.", save_flow(self.last))
         return arrays
 
     def restore(self, arrays: Arrays) -> None:
@@ -163,33 +163,11 @@ class FlowMemory:
         self._n_steps, self._n_failures, self._wait = arrays["counts"].tolist()
         self.change_um_s2 = float(arrays["change_um_s2"])
         model, last = without_prefix("model.", arrays), without_prefix("last.", arrays)
-        self.model = _load_model(model, self._up) if model else None
-        self.last = self._load_flow(last) if last else None
-
-    def _load_flow(self, arrays: Arrays) -> WaveFlow:
-        model = _load_model(without_prefix("model.", arrays), self._up)
-        return WaveFlow(model, arrays["amplitudes"], arrays["factor"])
+        self.model = load_model(model, self._up) if model else None
+        self.last = load_flow(last, self._up) if last else None
 
 
 def _n_last(steps: list[Observations], n_enough: int) -> int:
     """How many of the last steps together have `n_enough` droplets."""
     counts = np.cumsum([len(step) for step in steps[::-1]])
     return 1 + int(np.searchsorted(counts, n_enough))
-
-
-def _save_model(model: Model) -> Arrays:
-    return {
-        "spectrum": np.array([getattr(model.spectrum, name) for name in Spectrum.__dataclass_fields__]),
-        "box": np.array([model.waves.width_px, model.waves.height_px]),
-        "waves": np.array([model.waves.n_x, model.waves.n_y]),
-        "factor": np.array([model.factor_mean, model.factor_variance]),
-        "with_potential": np.asarray(model.with_potential),
-    }
-
-
-def _load_model(arrays: Arrays, up: Up) -> Model:
-    width_px, height_px = arrays["box"].tolist()
-    n_x, n_y = arrays["waves"].tolist()
-    mean, variance = arrays["factor"].tolist()
-    spectrum = Spectrum(*arrays["spectrum"].tolist())
-    return Model(Waves(width_px, height_px, n_x, n_y), spectrum, up, bool(arrays["with_potential"]), mean, variance)

@@ -11,9 +11,9 @@ from dropflow.tracking.front import Front
 from dropflow.tracking.grid import Grid
 from dropflow.tracking.prediction import Motion
 from dropflow.tracking.probable.flow_memory import FlowMemory
-from dropflow.tracking.probable.least_squares import Observations
+from dropflow.tracking.probable.least_squares import Model, Observations, Sums
 from dropflow.tracking.probable.observing import observe
-from dropflow.tracking.probable.regression import WaveFlow, regress
+from dropflow.tracking.probable.regression import WaveFlow, regress_sums, sums_of
 from dropflow.tracking.saving import load_columns, prefixed, save_columns, without_prefix
 
 _LAG = 1
@@ -31,6 +31,8 @@ class ProbableFlows:
         self._motion = motion
         self._flow = FlowMemory(grid, motion.up)
         self._window: list[Observations] = []
+        self._sums: dict[int, Sums] = {}
+        """Of steps of the window, by `id`; they can be had again from these."""
         self._n_after = 0
         """Steps of the window whose field is still to come."""
 
@@ -47,7 +49,6 @@ class ProbableFlows:
             log_r_variance=after.log_r_std**2,
             weight=weight,
         )
-        self._flow.learn(seen, None, dt_s)
         self._window.append(seen)
         self._n_after += 1
         return [self._next()] if self._n_after > _LAG else []
@@ -61,9 +62,10 @@ class ProbableFlows:
         here = self._window[centre]
         near = self._window[max(centre - _LAG, 0) : centre + _LAG + 1]
         around = [step for step in near if step is here or not self._has_jumped(here, step)]
-        field = self._field(here, Observations.concatenate(around))
+        field = self._field(here, around)
         self._n_after -= 1
         self._window = self._window[max(centre + 1 - _LAG, 0) :]
+        self._sums = {id(step): self._sums[id(step)] for step in self._window if id(step) in self._sums}
         return field
 
     def _has_jumped(self, here: Observations, other: Observations) -> bool:
@@ -74,15 +76,24 @@ class ProbableFlows:
         along = np.median(other.along_um_s) - np.median(here.along_um_s)
         return bool(np.hypot(across, along) > _MOST_JUMP_RMS * self._flow.model.spectrum.rms_um_s)
 
-    def _field(self, here: Observations, around: Observations) -> FlowField:
-        if self._flow.model is None and len(around):
-            self._flow.estimate([around])
-        if self._flow.model is None or not len(around):
+    def _field(self, here: Observations, around: list[Observations]) -> FlowField:
+        n_seen = sum(map(len, around))
+        if self._flow.model is None and n_seen:
+            self._flow.estimate([Observations.concatenate(around)])
+        if self._flow.model is None or not n_seen:
             return unknown_flow(self._grid)
-        flow = regress(around, self._flow.model)
+        flow = regress_sums(self._together(around, self._flow.model), self._flow.model)
         mean, variance = flow.stokes_error
         self._flow.model = replace(self._flow.model, factor_mean=mean, factor_variance=max(variance, 1e-5))
         return on_grid(flow, here, self._grid)
+
+    def _together(self, around: list[Observations], model: Model) -> Sums:
+        """The sums over some steps; those of each are reckoned once."""
+        for step in around:
+            if id(step) not in self._sums:
+                self._sums[id(step)] = sums_of(step, model)
+        first, *others = (self._sums[id(step)] for step in around)
+        return sum(others, start=first)
 
     def learn_from(self, arrays: Arrays) -> None:
         """Take up the model of the flow."""
@@ -106,7 +117,7 @@ def on_grid(flow: WaveFlow, here: Observations, grid: Grid) -> FlowField:
     """The flow at the centres of cells; a cell is interpolated where neither it nor one beside it has a droplet."""
     x_px, y_px = (places.ravel() for places in np.meshgrid(grid.x_px, grid.y_px))
     shape = (grid.n_rows, grid.n_columns)
-    across, along = flow.variance_at(x_px, y_px)
+    velocity, (across, along) = flow.with_variance(x_px, y_px)
     side, up = flow.model.up[1] ** 2, flow.model.up[0] ** 2
     std = np.sqrt(np.stack([side * across + up * along, up * across + side * along])).reshape(2, *shape)
     count = np.bincount(grid.cell_of(here.x_px, here.y_px), minlength=x_px.size).reshape(shape)
@@ -116,4 +127,4 @@ def on_grid(flow: WaveFlow, here: Observations, grid: Grid) -> FlowField:
     beside[:-1] |= near[1:]
     beside[:, 1:] |= near[:, :-1]
     beside[:, :-1] |= near[:, 1:]
-    return FlowField(grid, flow.at(x_px, y_px).reshape(2, *shape), std, count.astype(np.int64), ~beside)
+    return FlowField(grid, velocity.reshape(2, *shape), std, count.astype(np.int64), ~beside)

@@ -5,14 +5,16 @@ from dataclasses import fields, replace
 import numpy as np
 
 from dropflow.droplets import Droplets
+from dropflow.tracking.chain import StepForward
 from dropflow.tracking.checkpoint import Arrays
 from dropflow.tracking.follow import Followed, Look, follow
 from dropflow.tracking.front import Front
 from dropflow.tracking.grid import Column, Grid
-from dropflow.tracking.identification import Indices, same_droplets
+from dropflow.tracking.identification import Indices, all_but, same_droplets
 from dropflow.tracking.prediction import Motion
 from dropflow.tracking.probable.expectation import Predicted
 from dropflow.tracking.probable.flow_memory import FlowMemory
+from dropflow.tracking.probable.flow_record import save_flow
 from dropflow.tracking.probable.forward_step import ForwardStep, Outcome
 from dropflow.tracking.probable.memory import Memory
 from dropflow.tracking.probable.observing import deviations, observe
@@ -22,7 +24,7 @@ from dropflow.tracking.probable.search import SIMILAR_RATIO, sure_look
 from dropflow.tracking.saving import load_columns, load_front, prefixed, save_columns, save_front, without_prefix
 
 _SURE = 0.9
-_MOST_EVIDENCE = 6.0
+_MOST_EVIDENCE = 10.0
 """ln odds that a single pair adds at most."""
 SIGHTING_EVIDENCE = 1.0
 """Of a droplet that only the image shows where it is looked for: something is often there."""
@@ -48,7 +50,7 @@ class ProbableForward:
         self._scales = Scales()
         self._next_id = 0
 
-    def step(self, detected: Droplets, look: Look | None, dt_s: float, motion: Motion) -> Front:
+    def step(self, detected: Droplets, look: Look | None, dt_s: float, motion: Motion) -> StepForward:
         """Go on to the frame with these detections."""
         self._motion = motion
         memory = self._memory.aged(dt_s, self._flow.noise_um_s**2)
@@ -67,7 +69,7 @@ class ProbableForward:
         self._note(outcome, len(detected))
         self._flow.learn(outcome.seen, outcome.flow, dt_s)
         self._continue(memory, detected, followed, outcome, dt_s)
-        return self._front
+        return StepForward(self._front, {} if outcome.flow is None else save_flow(outcome.flow))
 
     def _note(self, outcome: Outcome, n_detected: int) -> None:
         predicted, association = outcome.predicted.droplets, outcome.association
@@ -91,7 +93,7 @@ class ProbableForward:
         n_undetected = np.append(np.zeros(len(paired), np.int64), memory.n_undetected[searched] + 1)
         nowhere = np.zeros(len(again), np.int64)
         seen = replace(seen, evidence=seen.evidence + evidence, n_undetected=n_undetected, n_unseen=nowhere)
-        new = detected[np.setdiff1d(np.arange(len(detected)), paired.second)]
+        new = detected[all_but(len(detected), paired.second)]
         born = Memory.of_new(new.r_px, new.r_std_px, self._flow.noise_um_s**2)
         hidden = self._hidden(memory, again, outcome.predicted, Droplets.concatenate([there, new]))
         waiting = memory[hidden]
@@ -114,7 +116,7 @@ class ProbableForward:
 
     def _hidden(self, memory: Memory, again: Indices, predicted: Predicted, there: Droplets) -> Indices:
         """Droplets that were not seen and may come back: well known, surely predicted, and nobody is in their place."""
-        lost = np.setdiff1d(np.arange(len(memory.log_r)), again)
+        lost = all_but(len(memory.log_r), again)
         place = predicted.droplets[lost]
         is_known = (memory.evidence[lost] > _SURE_EVIDENCE) & (memory.n_unseen[lost] < _MOST_UNSEEN)
         variance = np.maximum(predicted.across_variance[lost], predicted.along_variance[lost])

@@ -4,13 +4,14 @@ from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Self
 
+import numba
 import numpy as np
 import numpy.typing as npt
 
 from dropflow.tracking.grid import Column
 from dropflow.tracking.probable.directions import Up
 from dropflow.tracking.probable.spectrum import N_COMMON, Spectrum
-from dropflow.tracking.probable.waves import Matrix, Waves, WavesAt
+from dropflow.tracking.probable.waves import Complex, Indices, Matrix, Waves, WavesAt
 
 
 @dataclass(frozen=True)
@@ -60,6 +61,11 @@ class Model:
         return self.waves.directions(self.up, with_potential=self.with_potential)
 
     @cached_property
+    def directions_of_kinds(self) -> Matrix:
+        """The same as one array, shape (n_kinds, 2, n_waves)."""
+        return np.array(self.directions)
+
+    @cached_property
     def prior(self) -> Column:
         """Variance of each unknown: mean across and along `up`, error of Stokes' factor, waves of each kind."""
         return self.spectrum.variances(
@@ -81,51 +87,74 @@ def weights(observations: Observations, noise_um_s: float) -> Matrix:
     return np.stack([across, along])
 
 
-def normal_equations(
-    observations: Observations, points: WavesAt, model: Model, weight: Matrix
-) -> tuple[Matrix, Column]:
-    """Normal matrix and right hand side of the weighted least squares, without the prior.
+@dataclass(frozen=True)
+class Sums:
+    """All that least squares need to know of observations; that of several is the sum of theirs."""
 
-    Parameters
-    ----------
-    observations : Observations
-    points : WavesAt
-        The model's waves where the observations are.
-    model : Model
-    weight : ndarray, float64, shape (2, n)
-        Of each observation across and along `up`.
-    """
-    across, along = weight
-    sinking = observations.sedimentation_um_s
-    value_along = observations.along_um_s - model.factor_mean * sinking
-    weighted = np.stack([across, along, along * sinking, across * observations.across_um_s, along * value_along])
-    n_unknowns = len(model.prior)
+    pairs: Complex
+    """As `WavesAt.sums_of_pairs` of the weights across `up` and along it."""
+    singles: Complex
+    """Sums over the waves of weight along * sinking, weight * velocity across, weight * velocity along."""
+    common: Column
+    """Sums of the weights across and along, of weight along times sinking and times its square, of weights times
+    velocities across and along, of weight along times velocity times sinking, and of `Observations.weight`."""
+
+    def __add__(self, other: "Sums") -> "Sums":
+        return Sums(self.pairs + other.pairs, self.singles + other.singles, self.common + other.common)
+
+    @classmethod
+    def over(cls, observations: Observations, points: WavesAt, weight: Matrix) -> Self:
+        """Of observations at some points, their weights across `up` and along it given apart, shape (2, n)."""
+        across, along = weight
+        sinking = observations.sedimentation_um_s
+        weighted = np.stack([along * sinking, across * observations.across_um_s, along * observations.along_um_s])
+        both = [across.sum(), along.sum(), weighted[0].sum(), weighted[0] @ sinking]
+        common = [*both, weighted[1].sum(), weighted[2].sum(), weighted[2] @ sinking, observations.weight.sum()]
+        return cls(points.sums_of_pairs(weight), points.vectors(weighted), np.array(common))
+
+
+def normal_equations(sums: Sums, model: Model) -> tuple[Matrix, Column]:
+    """Normal matrix and right hand side of the weighted least squares, without the prior."""
+    n_unknowns, error = len(model.prior), model.factor_mean
     matrix, vector = np.zeros((n_unknowns, n_unknowns)), np.zeros(n_unknowns)
-    vector[:N_COMMON] = weighted[3].sum(), weighted[4].sum(), weighted[4] @ sinking
-    matrix[0, 0], matrix[1, 1], matrix[2, 2] = across.sum(), along.sum(), weighted[2] @ sinking
-    matrix[1, 2] = matrix[2, 1] = weighted[2].sum()
-    sums = points.vectors(weighted)
-    products = points.matrices(weight)
-    for kind, direction in enumerate(model.directions):
-        for singles, block in zip((sums.real, sums.imag), model.waves_of(kind), strict=True):
-            vector[block] = direction[0] * singles[3] + direction[1] * singles[4]
-            for row in range(N_COMMON):
-                matrix[row, block] = matrix[block, row] = direction[min(row, 1)] * singles[row]
-        for other in range(kind + 1):
-            _put_products(matrix, model, products, kind, other)
+    across, along, sinking, squares, value_across, value_along, value_sinking, _ = sums.common.tolist()
+    vector[:N_COMMON] = value_across, value_along - error * sinking, value_sinking - error * squares
+    matrix[0, 0], matrix[1, 1], matrix[2, 2] = across, along, squares
+    matrix[1, 2] = matrix[2, 1] = sinking
+    ones = sums.pairs[:, model.waves.single_among_pairs]
+    values = np.stack([sums.singles[1], sums.singles[2] - error * sums.singles[0]])
+    rows = np.concatenate([ones, sums.singles[:1]])
+    for kind, direction in enumerate(model.directions_of_kinds):
+        of_waves, of_rows = (direction * values).sum(axis=0), direction[[0, 1, 1]] * rows
+        cosines, sines = model.waves_of(kind)
+        vector[cosines], vector[sines] = of_waves.real, of_waves.imag
+        matrix[:N_COMMON, cosines], matrix[:N_COMMON, sines] = of_rows.real, of_rows.imag
+    matrix[N_COMMON:, :N_COMMON] = matrix[:N_COMMON, N_COMMON:].T
+    put_products(matrix, sums.pairs, *model.waves.pairs, model.directions_of_kinds)
     return matrix, vector
 
 
-def _put_products(
-    matrix: Matrix, model: Model, products: list[tuple[Matrix, Matrix, Matrix]], kind: int, other: int
-) -> None:
-    """The blocks of the matrix in which waves of two kinds meet."""
-    one, two = model.directions[kind], model.directions[other]
-    outer = [np.outer(one[component], two[component]) for component in (0, 1)]
-    cos_cos, cos_sin, sin_sin = (outer[0] * across + outer[1] * along for across, along in zip(*products, strict=True))
-    sin_cos = outer[0] * products[0][1].T + outer[1] * products[1][1].T
-    rows, columns = model.waves_of(kind), model.waves_of(other)
-    for row_block, parts in zip(rows, ((cos_cos, cos_sin), (sin_cos, sin_sin)), strict=True):
-        for column_block, part in zip(columns, parts, strict=True):
-            matrix[row_block, column_block] = part
-            matrix[column_block, row_block] = part.T
+@numba.njit(cache=True)
+def put_products(
+    matrix: Matrix, sums: Complex, minus: Indices, sign: Column, plus: Indices, directions: Matrix
+) -> None:  # pragma: no cover - compiled
+    """Fill in the part of the normal matrix in which waves meet waves.
+
+    `sums` has a row for the weights across `up` and one for those along it; see `Waves.pairs`.
+    """
+    n_kinds, _, n_waves = directions.shape
+    for one in range(n_kinds):
+        for i in range(n_waves):
+            row = N_COMMON + 2 * one * n_waves + i
+            for two in range(n_kinds):
+                for j in range(n_waves):
+                    column = N_COMMON + 2 * two * n_waves + j
+                    across = directions[one, 0, i] * directions[two, 0, j]
+                    along = directions[one, 1, i] * directions[two, 1, j]
+                    difference = across * sums[0, minus[i, j]] + along * sums[1, minus[i, j]]
+                    total = across * sums[0, plus[i, j]] + along * sums[1, plus[i, j]]
+                    turned = sign[i, j] * difference.imag
+                    matrix[row, column] = (difference.real + total.real) / 2
+                    matrix[row, column + n_waves] = (total.imag - turned) / 2
+                    matrix[row + n_waves, column] = (total.imag + turned) / 2
+                    matrix[row + n_waves, column + n_waves] = (difference.real - total.real) / 2

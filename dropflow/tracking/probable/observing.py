@@ -7,12 +7,10 @@ import numpy as np
 from dropflow.droplets import Droplets
 from dropflow.tracking.grid import Column
 from dropflow.tracking.prediction import Motion
+from dropflow.tracking.probable.candidates import TAIL
 from dropflow.tracking.probable.directions import turned
 from dropflow.tracking.probable.least_squares import Observations
 from dropflow.tracking.probable.regression import WaveFlow
-
-TAIL = 6.0
-"""Degrees of freedom of the t distributions with which outliers are reckoned."""
 
 
 def observe(

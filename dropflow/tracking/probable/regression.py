@@ -8,13 +8,21 @@ n droplets instead of n^3, for all sums over droplets come from Fourier sums on 
 from dataclasses import dataclass
 from functools import cached_property
 
+import numba
 import numpy as np
+import numpy.typing as npt
 from scipy.linalg import lapack
 
 from dropflow.tracking.grid import Column
 from dropflow.tracking.probable.directions import unturned
-from dropflow.tracking.probable.least_squares import Model, Observations, normal_equations, weights
-from dropflow.tracking.probable.waves import Complex, Matrix
+from dropflow.tracking.probable.least_squares import Model, Observations, Sums, normal_equations, weights
+from dropflow.tracking.probable.spectrum import N_COMMON
+from dropflow.tracking.probable.waves import Complex, Indices, Matrix, WavesAt, fold
+
+_MOST_SINCE = 3
+"""Flows that share an error are at most so many steps apart."""
+_SAME_WEIGHT = 0.1
+"""By which part the observations may differ in weight."""
 
 
 @dataclass(frozen=True)
@@ -24,72 +32,91 @@ class WaveFlow:
     model: Model
     amplitudes: Column
     """Of each unknown, in the order of `Model.prior`."""
-    factor: Matrix
-    """Lower Cholesky factor of I + sqrt(prior) A sqrt(prior), A the normal matrix of the observations."""
-
-    @cached_property
-    def covariance(self) -> Matrix:
-        """Of the errors of the amplitudes."""
-        return covariance_of(self.factor, self.model.prior)
+    variance: Complex
+    """Of the velocity across `up` and along it, shape (2, *Waves.series_shape): a sum of squares of waves, hence of
+    waves twice as fine, whose amplitudes these are."""
+    stokes_variance: float
+    """Of the error of Stokes' factor."""
+    weight: float
+    """Of all observations when `variance` was reckoned."""
+    n_since: int
+    """Flows before this one whose `variance` this has been; 0 where it is its own."""
 
     @property
     def stokes_error(self) -> tuple[float, float]:
         """Relative error of Stokes' velocity that these droplets show, and its variance."""
-        return float(self.amplitudes[2]) + self.model.factor_mean, float(self.covariance[2, 2])
+        return float(self.amplitudes[2]) + self.model.factor_mean, self.stokes_variance
+
+    @cached_property
+    def _folded_velocity(self) -> Matrix:
+        """Of the waves of the velocity across `up` and along it."""
+        amplitudes = np.zeros((2, len(self.model.waves)), np.complex128)
+        for kind, directions in enumerate(self.model.directions_of_kinds):
+            cosines, sines = self.model.waves_of(kind)
+            amplitudes += directions * (self.amplitudes[cosines] - 1j * self.amplitudes[sines])
+        series = self.model.waves.series_of(amplitudes, 1)
+        series[:, self.model.waves.n_x, 0] += self.amplitudes[:2]
+        return fold(series)
+
+    @cached_property
+    def _folded_variance(self) -> Matrix:
+        return fold(self.variance)
 
     def at(self, x_px: Column, y_px: Column) -> Column:
         """Velocity along x and y at points, shape (2, n), um/s."""
-        points = self.model.waves.at(x_px, y_px)
-        cosines, sines = np.zeros((2, 2, len(self.model.waves)))
-        for kind, directions in enumerate(self.model.directions):
-            of_cosines, of_sines = (self.amplitudes[block] for block in self.model.waves_of(kind))
-            cosines += np.stack(directions) * of_cosines
-            sines += np.stack(directions) * of_sines
-        across, along = points.evaluate(cosines, sines) + self.amplitudes[:2, None]
-        return unturned(across, along, self.model.up)
+        return self._velocity(self.model.waves.at(x_px, y_px))
 
     def variance_at(self, x_px: Column, y_px: Column) -> Column:
         """Variance of the error across `up` and along it at points, shape (2, n), (um/s)^2."""
-        variance = self.model.waves.at(x_px, y_px).evaluate_series(self._variance_series)
-        return np.asarray(np.maximum(variance, 0.0))
+        return self._variance(self.model.waves.at(x_px, y_px))
 
-    @cached_property
-    def _variance_series(self) -> Complex:
-        """The variance is a sum of squares of waves, hence of waves twice as fine: their amplitudes."""
-        waves = self.model.waves
-        series = np.zeros((2, 4 * waves.n_x + 1, 2 * waves.n_y + 1), np.complex128)
-        for component in (0, 1):
-            series[component] = self._squares(component)
-        return series
+    def with_variance(self, x_px: Column, y_px: Column) -> tuple[Column, Column]:
+        """Both at the same points."""
+        points = self.model.waves.at(x_px, y_px)
+        return self._velocity(points), self._variance(points)
 
-    def _squares(self, component: int) -> Complex:
-        """The series of the variance across `up` (0) or along it (1)."""
-        model, n_waves = self.model, len(self.model.waves)
-        cos_cos, cos_sin, sin_sin = np.zeros((3, n_waves, n_waves))
-        single = np.zeros(n_waves, np.complex128)
-        for kind, directions in enumerate(model.directions):
-            one, (cosines, sines) = directions[component], model.waves_of(kind)
-            with_mean = self.covariance[component]
-            single += 2 * one * (with_mean[cosines] - 1j * with_mean[sines])
-            for other, other_directions in enumerate(model.directions):
-                two, (other_cosines, other_sines) = other_directions[component], model.waves_of(other)
-                outer = one[:, None] * two
-                cos_cos += outer * self.covariance[cosines, other_cosines]
-                cos_sin += outer * self.covariance[cosines, other_sines]
-                sin_sin += outer * self.covariance[sines, other_sines]
-        series = model.waves.series_of_squares(cos_cos, cos_sin, sin_sin)
-        series += model.waves.series_of(single)
-        series[2 * model.waves.n_x, 0] += self.covariance[component, component]
-        return series
+    def _velocity(self, points: WavesAt) -> Column:
+        across, along = points.evaluate(self._folded_velocity, 1)
+        return unturned(across, along, self.model.up)
+
+    def _variance(self, points: WavesAt) -> Column:
+        return np.asarray(np.maximum(points.evaluate(self._folded_variance, 2), 0.0))
 
 
-def regress(observations: Observations, model: Model) -> WaveFlow:
-    """The flow that is most probable after the observations."""
+def regress(observations: Observations, model: Model, *, like: WaveFlow | None = None) -> WaveFlow:
+    """The flow that is most probable after the observations.
+
+    The field of its error costs more than the flow. It changes as slowly as the droplets' number and places do: where
+    a flow of a step or two before is given (`like`) and was seen by as many, its error is taken.
+    """
+    return regress_sums(sums_of(observations, model), model, like=like)
+
+
+def sums_of(observations: Observations, model: Model) -> Sums:
+    """The sums over observations, with the weights that they have under a model."""
     points = model.waves.at(observations.x_px, observations.y_px)
-    matrix, vector = normal_equations(observations, points, model, weights(observations, model.spectrum.noise_um_s))
+    return Sums.over(observations, points, weights(observations, model.spectrum.noise_um_s))
+
+
+def regress_sums(sums: Sums, model: Model, *, like: WaveFlow | None = None) -> WaveFlow:
+    """As `regress`."""
+    matrix, vector = normal_equations(sums, model)
     factor, whitened = solve(matrix, vector, model.prior)
     half_way, _ = lapack.dtrtrs(factor, whitened, lower=1, trans=1)
-    return WaveFlow(model, np.asarray(np.sqrt(model.prior) * half_way), factor)
+    amplitudes = np.asarray(np.sqrt(model.prior) * half_way)
+    of_factor, _ = lapack.dtrtrs(factor, np.eye(N_COMMON, len(vector))[2], lower=1)
+    stokes_variance = float(of_factor @ of_factor * model.prior[2])
+    weight = float(sums.common[-1])
+    if like is not None and _is_as_well_known(like, model, weight):
+        return WaveFlow(model, amplitudes, like.variance, stokes_variance, like.weight, like.n_since + 1)
+    return WaveFlow(model, amplitudes, variance_series(factor, model), stokes_variance, weight, 0)
+
+
+def _is_as_well_known(flow: WaveFlow, model: Model, weight: float) -> bool:
+    """Whether the error of another flow will do."""
+    is_same = (flow.model.waves, flow.model.spectrum) == (model.waves, model.spectrum)
+    is_same &= flow.model.with_potential == model.with_potential
+    return is_same and flow.n_since < _MOST_SINCE and abs(weight - flow.weight) < _SAME_WEIGHT * flow.weight
 
 
 def solve(matrix: Matrix, vector: Column, prior: Column) -> tuple[Matrix, Column]:
@@ -110,3 +137,57 @@ def covariance_of(factor: Matrix, prior: Column) -> Matrix:
     inverse = lower + lower.T
     inverse[np.diag_indices_from(inverse)] /= 2
     return np.asarray(inverse * root[:, None] * root)
+
+
+def variance_series(factor: Matrix, model: Model) -> Complex:
+    """`WaveFlow.variance` from the factor that `solve` gives.
+
+    The factor was found in double precision; of its inverse seven digits are enough, at half the cost.
+    """
+    inverse, _ = lapack.spotri(factor.astype(np.float32), lower=1)
+    root = np.sqrt(model.prior).astype(np.float32)
+    series = np.zeros((2, *model.waves.series_shape), np.complex128)
+    directions = model.directions_of_kinds
+    # In memory the lower triangle of LAPACK's matrix is the upper one of its transpose.
+    _add_squares(series.reshape(2, -1), inverse.T, root, *model.waves.pairs, directions)
+    for component in (0, 1):
+        with_mean = inverse[:, component] * root * root[component]
+        single = np.zeros(len(model.waves), np.complex128)
+        for kind, of_kind in enumerate(directions):
+            cosines, sines = model.waves_of(kind)
+            single += 2 * of_kind[component] * (with_mean[cosines] - 1j * with_mean[sines])
+        series[component] += model.waves.series_of(single, 2)
+        series[component, 2 * model.waves.n_x, 0] += with_mean[component]
+    return series
+
+
+@numba.njit(cache=True)
+def _add_squares(
+    series: Complex,
+    upper: npt.NDArray[np.float32],
+    root: npt.NDArray[np.float32],
+    minus: Indices,
+    sign: Column,
+    plus: Indices,
+    directions: Matrix,
+) -> None:  # pragma: no cover - compiled
+    """Add up the squares of all waves under their covariance, of which the upper triangle is given without `root`."""
+    n_kinds, _, n_waves = directions.shape
+    n_unknowns = 2 * n_kinds * n_waves
+    for row in range(n_unknowns):
+        one, i = row // (2 * n_waves), row % n_waves
+        is_sine = row // n_waves % 2 == 1
+        for column in range(row, n_unknowns):
+            two, j = column // (2 * n_waves), column % n_waves
+            is_other_sine = column // n_waves % 2 == 1
+            at, other = N_COMMON + row, N_COMMON + column
+            covariance = (1 if row == column else 2) * upper[at, other] * root[at] * root[other]
+            for component in range(2):
+                value = covariance * directions[one, component, i] * directions[two, component, j] / 2
+                if is_sine == is_other_sine:
+                    series[component, minus[i, j]] += value
+                    series[component, plus[i, j]] += -value if is_sine else value
+                else:
+                    turned = -sign[i, j] if is_sine else sign[i, j]
+                    series[component, minus[i, j]] += 1j * turned * value
+                    series[component, plus[i, j]] -= 1j * value

@@ -7,7 +7,7 @@ from scipy.optimize import minimize
 
 from dropflow.tracking.grid import Column, Grid
 from dropflow.tracking.probable.directions import Up
-from dropflow.tracking.probable.least_squares import Model, Observations, normal_equations, weights
+from dropflow.tracking.probable.least_squares import Model, Observations, Sums, normal_equations, weights
 from dropflow.tracking.probable.regression import covariance_of, solve
 from dropflow.tracking.probable.spectrum import Spectrum
 from dropflow.tracking.probable.waves import Waves
@@ -114,7 +114,7 @@ def _evidence_of_step(step: Observations, model: Model) -> tuple[float, Column, 
     """Log evidence, its slope with the prior variance of each unknown, and with the variance of the noise."""
     points = model.waves.at(step.x_px, step.y_px)
     weight = weights(step, model.spectrum.noise_um_s)
-    matrix, vector = normal_equations(step, points, model, weight)
+    matrix, vector = normal_equations(Sums.over(step, points, weight), model)
     factor, whitened = solve(matrix, vector, model.prior)
     covariance = covariance_of(factor, model.prior)
     amplitudes = covariance @ vector
@@ -126,7 +126,7 @@ def _evidence_of_step(step: Observations, model: Model) -> tuple[float, Column, 
     slope_prior = ((amplitudes**2 + np.diag(covariance)) / model.prior**2 - 1 / model.prior) / 2
     # The slope with the noise: squares of residuals and of the flow's error, weighted with the square of the weights.
     twice = weight**2 / np.maximum(step.weight, _LEAST_WEIGHT)
-    matrix_2, vector_2 = normal_equations(step, points, model, twice)
+    matrix_2, vector_2 = normal_equations(Sums.over(step, points, twice), model)
     residual = (twice * values**2).sum() - 2 * amplitudes @ vector_2 + amplitudes @ matrix_2 @ amplitudes
     slope_noise = (residual + (covariance * matrix_2).sum() - weight.sum()) / 2
     return float(value), np.asarray(slope_prior), float(slope_noise)

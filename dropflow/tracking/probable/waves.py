@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Self
 
+import numba
 import numpy as np
 import numpy.typing as npt
 
@@ -81,18 +82,23 @@ class Waves:
 
     def at(self, x_px: Column, y_px: Column) -> "WavesAt":
         """The waves at points."""
-        turn_x, turn_y = np.exp(2j * np.pi / self.width_px * x_px), np.exp(2j * np.pi / self.height_px * y_px)
-        return WavesAt(self, turn_x, turn_y)
+        return WavesAt(self, 2 * np.pi / self.width_px * x_px, 2 * np.pi / self.height_px * y_px)
 
     @cached_property
-    def _single(self) -> Indices:
+    def single(self) -> Indices:
         """Where k stands in an array over indices -n_x .. n_x, 0 .. n_y."""
         i_x, i_y = self.index
         return (i_x + self.n_x) * (self.n_y + 1) + i_y
 
     @cached_property
-    def _pairs(self) -> tuple[Indices, Column, Indices]:
-        """Where k - k' and k + k' stand in an array over indices -2 n_x .. 2 n_x, 0 .. 2 n_y.
+    def single_among_pairs(self) -> Indices:
+        """Where k stands in an array over indices -2 n_x .. 2 n_x, 0 .. 2 n_y."""
+        i_x, i_y = self.index
+        return (i_x + 2 * self.n_x) * (2 * self.n_y + 1) + i_y
+
+    @cached_property
+    def pairs(self) -> tuple[Indices, Column, Indices]:
+        """Where k - k' and k + k' stand in the flat array of `WavesAt.sums_of_pairs`, each of shape (n, n).
 
         Waves of negative index along y are the conjugates of their opposites: for these the sign is -1.
         """
@@ -104,20 +110,18 @@ class Waves:
         plus = (i_x[:, None] + i_x + middle) * row + i_y[:, None] + i_y
         return minus, sign.astype(np.float64), plus
 
-    def series_of(self, amplitudes: Complex) -> Complex:
-        """Amplitudes of the waves, in the array over indices -2 n_x .. 2 n_x, 0 .. 2 n_y of `evaluate_series`."""
-        i_x, i_y = self.index
-        series = np.zeros((4 * self.n_x + 1, 2 * self.n_y + 1), np.complex128)
-        series[i_x + 2 * self.n_x, i_y] = amplitudes
-        return series
+    @property
+    def series_shape(self) -> tuple[int, int]:
+        """Of an array over indices -2 n_x .. 2 n_x, 0 .. 2 n_y: products of two waves are waves of these."""
+        return 4 * self.n_x + 1, 2 * self.n_y + 1
 
-    def series_of_squares(self, cos_cos: Matrix, cos_sin: Matrix, sin_sin: Matrix) -> Complex:
-        """The sum of a cos cos' + 2 b cos sin' + d sin sin' over all pairs of waves, as amplitudes of single waves."""
-        minus, sign, plus = self._pairs
-        shape = (4 * self.n_x + 1, 2 * self.n_y + 1)
-        real = _gathered(minus, (cos_cos + sin_sin) / 2, shape) + _gathered(plus, (cos_cos - sin_sin) / 2, shape)
-        imaginary = _gathered(minus, sign * cos_sin, shape) - _gathered(plus, cos_sin, shape)
-        return np.asarray(real + 1j * imaginary)
+    def series_of(self, amplitudes: Complex, fineness: int) -> Complex:
+        """Amplitudes of the waves in an array over indices up to `fineness` times n_x, n_y."""
+        i_x, i_y = self.index
+        n_x, n_y = fineness * self.n_x, fineness * self.n_y
+        series = np.zeros((*amplitudes.shape[:-1], 2 * n_x + 1, n_y + 1), np.complex128)
+        series[..., i_x + n_x, i_y] = amplitudes
+        return series
 
 
 @dataclass(frozen=True)
@@ -125,74 +129,78 @@ class WavesAt:
     """The waves at n points; each is a product of a wave in x and one in y."""
 
     waves: Waves
-    turn_x: Complex
-    """exp(i x) of the slowest wave along x, shape (n,)."""
-    turn_y: Complex
+    angle_x: Column
+    """Phase of the slowest wave along x, shape (n,)."""
+    angle_y: Column
 
     @cached_property
-    def _along_x(self) -> Complex:
-        """Indices -2 n_x .. 2 n_x, shape (4 n_x + 1, n)."""
-        return _both_signs(_powers(self.turn_x, 2 * self.waves.n_x))
+    def _along_x(self) -> Matrix:
+        """Cosines and sines for indices 0 .. 2 n_x, shape (2, 2 n_x + 1, n)."""
+        return _harmonics(self.angle_x, 2 * self.waves.n_x)
 
     @cached_property
-    def _along_y(self) -> Complex:
-        """Indices 0 .. 2 n_y, shape (2 n_y + 1, n)."""
-        return _powers(self.turn_y, 2 * self.waves.n_y)
+    def _along_y(self) -> Matrix:
+        """Cosines and sines for indices 0 .. 2 n_y."""
+        return _harmonics(self.angle_y, 2 * self.waves.n_y)
 
     def vectors(self, weights: Matrix) -> Complex:
         """Sums of weights * exp(i k x) over the points: weights of shape (m, n), sums of shape (m, n_waves)."""
-        n_x, n_y = self.waves.n_x, self.waves.n_y
-        sums = self._sums(weights, self._along_x[n_x : 3 * n_x + 1], self._along_y[: n_y + 1])
-        return np.asarray(sums[:, self.waves._single])
+        return self._sums(weights, 1)[:, self.waves.single]
 
-    def matrices(self, weights: Matrix) -> list[tuple[Matrix, Matrix, Matrix]]:
-        """Sums of weights times cos cos', cos sin' and sin sin', each of shape (n_waves, n_waves), for each row.
+    def sums_of_pairs(self, weights: Matrix) -> Complex:
+        """Sums of weights * exp(i (k +- k') x) over the points, flat as `Waves.pairs` counts, one row a row.
 
-        Products of waves are waves of sum and difference, so that all entries come from a few sums.
+        Products of waves are waves of sum and difference, so that all entries of a normal matrix come from these.
         """
-        minus, sign, plus = self.waves._pairs
-        matrices = []
-        for sums in self._sums(weights, self._along_x, self._along_y):
-            difference, total = sums[minus], sums[plus]
-            real, imaginary = difference.real, sign * difference.imag
-            matrices.append(((real + total.real) / 2, (total.imag - imaginary) / 2, (real - total.real) / 2))
-        return matrices
+        return self._sums(weights, 2)
 
-    def evaluate(self, cosines: Matrix, sines: Matrix) -> Matrix:
-        """Sums of cosines * cos(k x) + sines * sin(k x): amplitudes of shape (m, n_waves), sums of shape (m, n)."""
-        i_x, i_y = self.waves.index
-        n_x, n_y = self.waves.n_x, self.waves.n_y
-        table = np.zeros((len(cosines), n_y + 1, 2 * n_x + 1), np.complex128)
-        table[:, i_y, i_x + n_x] = cosines - 1j * sines
-        along_x = _both_signs(_powers(self.turn_x, n_x))
-        along_y = _powers(self.turn_y, n_y)
-        rows = (table.reshape(-1, 2 * n_x + 1) @ along_x).reshape(len(cosines), n_y + 1, -1)
-        return np.asarray((rows * along_y).sum(axis=1).real)
+    def evaluate(self, folded: Matrix, fineness: int) -> Matrix:
+        """Real parts of the sums of amplitude * exp(i k x), shape (m, n), for the m series that `fold` was given."""
+        along_x, along_y = self._up_to(fineness)
+        rows = (folded @ along_x).reshape(len(folded) // len(along_y), *along_y.shape)
+        return np.asarray(np.einsum("mkn,kn->mn", rows, along_y))
 
-    def evaluate_series(self, series: Complex) -> Matrix:
-        """Real parts of the sums of amplitude * exp(i k x) over waves up to twice as fine, shape (m, n)."""
-        rows = np.tensordot(series, self._along_x, axes=([1], [0]))
-        return np.asarray((rows * self._along_y).sum(axis=1).real)
+    def _up_to(self, fineness: int) -> tuple[Matrix, Matrix]:
+        """Cosines and sines for indices up to `fineness` times n_x and n_y, in rows."""
+        rows_x, rows_y = fineness * self.waves.n_x + 1, fineness * self.waves.n_y + 1
+        along_x, along_y = self._along_x[:, :rows_x], self._along_y[:, :rows_y]
+        return np.concatenate(along_x), np.concatenate(along_y)
 
-    def _sums(self, weights: Matrix, along_x: Complex, along_y: Complex) -> Complex:
-        weighted = (weights[:, None, :] * along_x).reshape(-1, weights.shape[1])
-        return np.asarray((weighted @ along_y.T).reshape(len(weights), -1))
+    def _sums(self, weights: Matrix, fineness: int) -> Complex:
+        """Over indices -n_x .. n_x, 0 .. n_y times `fineness`; from real products, half as many as complex ones."""
+        along_x, along_y = self._up_to(fineness)
+        weighted = np.concatenate(weights[:, None, :] * along_x)
+        products = (weighted @ along_y.T).reshape(len(weights), 2, len(along_x) // 2, 2, len(along_y) // 2)
+        cos_cos, cos_sin = products[:, 0, :, 0], products[:, 0, :, 1]
+        sin_cos, sin_sin = products[:, 1, :, 0], products[:, 1, :, 1]
+        right = (cos_cos - sin_sin) + 1j * (sin_cos + cos_sin)
+        left = (cos_cos + sin_sin) + 1j * (cos_sin - sin_cos)
+        return np.concatenate([left[:, :0:-1], right], axis=1).reshape(len(weights), -1)
 
 
-def _gathered(place: Indices, values: Matrix, shape: tuple[int, int]) -> Matrix:
-    """Values added up at flat places of an array."""
-    return np.asarray(np.bincount(place.ravel(), values.ravel(), shape[0] * shape[1]).reshape(shape), np.float64)
+def fold(series: Complex) -> Matrix:
+    """Amplitudes over indices -n_x .. n_x, 0 .. n_y, shape (m, 2 n_x + 1, n_y + 1), as `WavesAt.evaluate` wants them.
+
+    These are the factors of products of cosines and sines along x and y, shape (m * 2 (n_y + 1), 2 (n_x + 1)).
+    """
+    n_x = series.shape[1] // 2
+    right, left = series[:, n_x:], series[:, n_x::-1].copy()
+    left[:, 0] = 0
+    of_cosines_y = np.concatenate([right.real + left.real, left.imag - right.imag], axis=1)
+    of_sines_y = np.concatenate([-right.imag - left.imag, left.real - right.real], axis=1)
+    together = np.stack([of_cosines_y, of_sines_y], axis=1)
+    return np.ascontiguousarray(together.transpose(0, 1, 3, 2)).reshape(-1, 2 * (n_x + 1))
 
 
-def _powers(factor: Complex, greatest: int) -> Complex:
-    """Powers 0 .. greatest of numbers on the unit circle, shape (greatest + 1, n)."""
-    powers = np.empty((greatest + 1, len(factor)), np.complex128)
-    powers[0] = 1
-    for power in range(1, greatest + 1):
-        np.multiply(powers[power - 1], factor, out=powers[power])
-    return powers
-
-
-def _both_signs(powers: Complex) -> Complex:
-    """Powers -greatest .. greatest."""
-    return np.concatenate([powers[:0:-1].conj(), powers])
+@numba.njit(cache=True)
+def _harmonics(angle: Column, greatest: int) -> Matrix:  # pragma: no cover - compiled
+    """Cosines and sines of 0 .. greatest times each angle, shape (2, greatest + 1, n)."""
+    n = len(angle)
+    both = np.empty((2, greatest + 1, n))
+    for point in range(n):
+        cosine, sine = np.cos(angle[point]), np.sin(angle[point])
+        c, s = 1.0, 0.0
+        for k in range(greatest + 1):
+            both[0, k, point], both[1, k, point] = c, s
+            c, s = c * cosine - s * sine, s * cosine + c * sine
+    return both

@@ -11,8 +11,8 @@ from dropflow.tracking.probable.association import (
     Chances,
     associate,
     log_radius_density,
-    pair_probabilities,
 )
+from dropflow.tracking.probable.candidates import pair_probabilities
 from dropflow.tracking.probable.expectation import Predicted
 from tests.dropflow.tracking.generated import droplets_at
 
@@ -116,5 +116,5 @@ def test_the_density_of_radii_integrates_to_one() -> None:
     """Over ln r."""
     r_px = np.exp(np.random.default_rng(0).normal(2, 0.5, 4000))
     grid = np.linspace(0.0, 4.0, 400)
-    density = np.exp(log_radius_density(np.append(r_px, np.exp(grid)))[len(r_px) :])
+    density = np.exp(log_radius_density(np.append(np.log(r_px), grid))[len(r_px) :])
     assert density.sum() * (grid[1] - grid[0]) == pytest.approx(1.0, abs=0.15)
