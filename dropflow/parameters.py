@@ -145,9 +145,18 @@ class TrackingParameters(StrictModel):
     """`default` weighs all pairs of a frame by the errors of prediction and detection and computes the flow by
     regression; `paper` follows sections 3.2 and 3.3."""
     shortest_trajectory_frames: int = knob(3, unit="frames", low=1, high=1000, paper=3, section="3.3.3")
-    """Trajectories of fewer frames are removed."""
+    """Trajectories of fewer frames are removed. The method `default` makes one exception where this is 3 or less: two
+    frames will do where chance is out of the question."""
     paper: PaperTracking = PaperTracking()
     """The constants of the method `paper`."""
+
+
+class Divergence(StrEnum):
+    """Whether the flow in the plane of the image may have sources and sinks, as where fluid rises out of it."""
+
+    ESTIMATED = "estimated"
+    NEVER = "never"
+    ALWAYS = "always"
 
 
 class PaperFlow(StrictModel):
@@ -166,6 +175,9 @@ class FlowParameters(StrictModel):
     """Cells of the grid along x."""
     n_rows: int = knob(20, unit="cells", low=2, high=1000, paper=20, section="3.2.2")
     """Cells of the grid along y."""
+    divergence: Divergence = Divergence.ESTIMATED
+    """Method `default`: `estimated` looks in the first frames for a part of the flow that has a divergence in the plane
+    and leaves it out where there is none; `never` leaves it out; `always` keeps it, at up to eight times the work."""
     paper: PaperFlow = PaperFlow()
     """The constants of the paper's average over cells (tracking method `paper`)."""
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -15,7 +14,6 @@ from dropflow.tracking.events import Surroundings, events_of_step, row_of_shift
 from dropflow.tracking.film import FRAMES_PER_PART
 from dropflow.tracking.grid import Column
 from dropflow.tracking.identification import Indices
-from dropflow.tracking.shifts import camera_shifts_px
 from dropflow.tracking.sightings import N_AVERAGED, Sightings
 
 _ROWS_PER_GROUP = 1 << 16
@@ -37,12 +35,13 @@ def sorted_trajectories(parts: Spool, ranges: Indices, n_parts: int) -> Iterator
         yield rows.sort_by([("trajectory_id", "ascending"), ("frame", "ascending")])
 
 
-def events(parts: Spool, n_parts: int, flow: Path, times_s: Column, around: Surroundings) -> Iterator[pa.Table]:
+def events(
+    parts: Spool, n_parts: int, flow: Path, shifts_px: Column, times_s: Column, around: Surroundings
+) -> Iterator[pa.Table]:
     """Rows of `dropflow.tracking.events.EVENTS`, in the order of frames; three parts are in memory at a time."""
     if len(times_s) < 2:
         return
     velocity_um_s = zarr.open_array(flow / "velocity_um_s", mode="r")
-    shifts_px = _shifts_px(velocity_um_s, times_s, around.motion.pixel_size_um)
     for part in range(n_parts):
         steps = range(part * FRAMES_PER_PART, min((part + 1) * FRAMES_PER_PART, len(times_s) - 1))
         near = [parts.read(other) for other in (part - 1, part, part + 1) if 0 <= other < n_parts]
@@ -55,16 +54,6 @@ def events(parts: Spool, n_parts: int, flow: Path, times_s: Column, around: Surr
             if shifts_px[frame].any():
                 yield row_of_shift(frame + 1, float(times_s[frame + 1]), shifts_px[frame])
             yield events_of_step(seen, frame, times_s, flow_um_s, around)
-
-
-def _shifts_px(velocity_um_s: "zarr.Array[Any]", times_s: Column, pixel_size_um: float) -> Column:
-    """How the scene jumped in each step, read from the flow a few steps at a time."""
-    n_steps = velocity_um_s.shape[0]
-    parts = [
-        np.asarray(velocity_um_s[first : first + FRAMES_PER_PART], np.float64).mean(axis=(2, 3))
-        for first in range(0, n_steps, FRAMES_PER_PART)
-    ]
-    return camera_shifts_px(np.concatenate(parts), np.diff(times_s), pixel_size_um)
 
 
 def write_table(path: Path, schema: pa.Schema, tables: Iterator[pa.Table], metadata: dict[str, str]) -> None:

@@ -75,7 +75,7 @@ class BackwardPass:
         predicted_px = np.zeros((2, len(earlier)))
         if frame + 1 < self._film.n_frames:
             motion = self._film.motion(self._chain.motion, frame)
-            look = self._film.look_at(frame)
+            look = self._film.look_at(frame, then=frame - 1)
             step = self._walk.step(self._front, earlier, look, self._film.dt_s(frame), motion, self._notes_of_step)
             earlier, predicted_px = step.front, step.predicted_px
             self._merged = np.concatenate([self._merged, np.column_stack([step.merged, step.merged_into])])

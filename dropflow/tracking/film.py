@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -13,6 +14,7 @@ from dropflow.frames import Frames
 from dropflow.physics.over_time import MaterialOverTime
 from dropflow.tracking.follow import Look
 from dropflow.tracking.prediction import Motion
+from dropflow.tracking.prepared import PreparedFrames
 
 FRAMES_PER_PART = 32
 """After so many frames the state is saved."""
@@ -81,16 +83,25 @@ class Film:
             )
         return Droplets(*(np.asarray(getattr(droplets, column.name), np.float64) for column in fields(Droplets)))
 
-    def look_at(self, frame: int) -> Look | None:
-        """How to search the image of one frame; it is read and prepared at the first search, and then once."""
+    @cached_property
+    def _prepared(self) -> PreparedFrames | None:
         if self.frames is None or self.detector is None:
             return None
-        frames, detector = self.frames, self.detector
-        prepared: list[npt.NDArray[np.float32]] = []
+        return PreparedFrames(self.frames, self.detector)
+
+    def look_at(self, frame: int, *, then: int) -> Look | None:
+        """How to search the image of one frame, `then` being the one that is wanted next: it is prepared meanwhile."""
+        prepared, detector = self._prepared, self.detector
+        if prepared is None or detector is None:
+            return None
+        prepared.expect(frame, then)
 
         def look(predicted: Droplets) -> tuple[Droplets, npt.NDArray[np.bool_]]:
-            if not prepared:
-                prepared.append(detector.prepare(frames[frame]))
-            return detector.find_near(prepared[0], predicted)
+            return detector.find_near(prepared.get(frame), predicted)
 
         return look
+
+    def close(self) -> None:
+        """Read no image any more."""
+        if self._prepared is not None:
+            self._prepared.close()

@@ -17,6 +17,7 @@ from dropflow.tracking.filtering import Reason
 from dropflow.tracking.flow import FlowField
 from dropflow.tracking.flow_store import FlowStore, create_flow_store
 from dropflow.tracking.front import Front, Links
+from dropflow.tracking.grid import Column
 from dropflow.tracking.naming import Names, number
 from dropflow.tracking.ranges import NO_RANGES, grown
 from dropflow.tracking.saving import load_columns, load_front, prefixed, save_columns, save_front, without_prefix
@@ -114,13 +115,13 @@ class FinalPass:
             self._drift_um = self._drift_um + flow.mean_um_s() * self._film.dt_s(self._n_flows)
             self._n_flows += 1
 
-    def outcome(self) -> Arrays:
-        """The numbers of the whole film, after the last part."""
+    def outcome(self, pushed_um: Column) -> Arrays:
+        """The numbers of the whole film, after the last part; pushes of the camera are no drift."""
         duration_s = float(self._film.times_s[-1] - self._film.times_s[0])
         return {
             "n_trajectories": np.asarray(self._next_id - self._n_rejected.sum()),
             "n_rejected": self._n_rejected,
-            "drift_um_s": self._drift_um / duration_s if duration_s else np.zeros(2),
+            "drift_um_s": (self._drift_um - pushed_um) / duration_s if duration_s else np.zeros(2),
         }
 
     def _name(self, part: int) -> None:

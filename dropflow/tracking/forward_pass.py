@@ -35,7 +35,7 @@ class ForwardPass:
         for frame in self._film.frames_of(turn):
             dt_s = self._film.dt_s(frame - 1) if frame else 1.0  # into the first frame nothing moves
             motion = self._film.motion(self._chain.motion, max(frame - 1, 0))
-            step = self._walk.step(self._film.detected(frame), self._film.look_at(frame), dt_s, motion)
+            step = self._walk.step(self._film.detected(frame), self._film.look_at(frame, then=frame + 1), dt_s, motion)
             tables.append(step.front.to_table(frame))
             notes.append(notes_to_table(step.notes, frame))
             tick()

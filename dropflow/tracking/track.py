@@ -34,6 +34,7 @@ from dropflow.tracking.grid import Grid
 from dropflow.tracking.paper import PaperChain, PaperRules
 from dropflow.tracking.prediction import Motion
 from dropflow.tracking.probable import ProbableChain
+from dropflow.tracking.shifts import shifts_of_flow_px, steadied_flow, steadied_rows
 from dropflow.tracking.stages import Stage
 
 _DONE = "done"
@@ -111,7 +112,10 @@ def track(
     material = material_over_time(experiment, len(times_s), temperature_c)
     changing = None if material.is_constant else material
     film = Film(np.asarray(times_s, np.float64), detections, frames, detector, changing)
-    return track_film(film, frames.shape, experiment, parameters, folder, provenance or {}, progress)
+    try:
+        return track_film(film, frames.shape, experiment, parameters, folder, provenance or {}, progress)
+    finally:
+        film.close()
 
 
 def track_film(
@@ -143,10 +147,11 @@ def track_film(
     ]
     steps = _Steps(progress, film.n_frames)
     _run(stages, checkpoint, position, steps)
-    _assemble(film, chain, final, spools, folder, provenance, steps)
-    outcome = final.outcome()
+    pushed_um = _assemble(film, chain, final, spools, folder, provenance, steps)
+    outcome = final.outcome(pushed_um)
     checkpoint.save(Position(_DONE, 0, outcome))
     spools.remove()
+    shutil.rmtree(final.flow_path, ignore_errors=True)
     return _result(folder, outcome)
 
 
@@ -156,7 +161,7 @@ def make_chain(grid: Grid, motion: Motion, parameters: Parameters) -> Chain:
         case TrackingMethod.PAPER:
             return PaperChain(PaperRules(grid, motion, parameters.tracking, parameters.flow))
         case TrackingMethod.DEFAULT:
-            return ProbableChain(grid, motion, parameters.tracking)
+            return ProbableChain(grid, motion, parameters.tracking, parameters.flow.divergence)
 
 
 class _Steps:
@@ -206,29 +211,39 @@ def _assemble(
     folder: Path,
     provenance: dict[str, Any],
     steps: _Steps,
-) -> None:
-    """Put the tables together and the flow field in its place. Done twice, it gives the same."""
+) -> npt.NDArray[np.float64]:
+    """Put the tables together and the flow field in its place. Done twice, it gives the same.
+
+    Returns how far the camera's pushes moved the scene, along x and y, um.
+    """
     about = {"dropflow": json.dumps(provenance)}
     n_rows = int(final.ranges[:, 4].sum())
+    raw_flow = final.flow_path if final.flow_path.exists() else folder / "flow.zarr"
+    shifts_px = shifts_of_flow_px(raw_flow, film.times_s, chain.motion.pixel_size_um)
+    push_um_s = shifts_px * (chain.motion.pixel_size_um / np.diff(film.times_s))[:, None]
 
     def counted() -> Iterator[pa.Table]:
         n_written = 0
         for table in sorted_trajectories(spools.kept, final.ranges, final.n_parts):
-            yield table
+            yield steadied_rows(table, push_um_s)
             n_written += len(table)
             steps.reach_share_of_last(n_written / n_rows)
 
     write_table(folder / "trajectories.parquet", TRAJECTORIES, counted(), about)
     rejected = (spools.rejected.read(part) for part in range(final.n_parts))
     write_table(folder / "rejected_trajectories.parquet", VERDICTS, in_groups(rejected, VERDICTS), about)
-    flow = final.flow_path if final.flow_path.exists() else folder / "flow.zarr"
     around = Surroundings(chain.grid, chain.motion)
-    happened = events(spools.kept, final.n_parts, flow, film.times_s, around)
+    happened = events(spools.kept, final.n_parts, raw_flow, shifts_px, film.times_s, around)
     write_table(folder / "events.parquet", EVENTS, in_groups(happened, EVENTS), about)
     if final.flow_path.exists():
+        steadied = final.flow_path
+        if push_um_s.any():  # what was measured stays until all is done, so that all can be done again
+            steadied = final.flow_path.with_name("steadied.zarr")
+            steadied_flow(final.flow_path, steadied, push_um_s)
         shutil.rmtree(folder / "flow.zarr", ignore_errors=True)
-        final.flow_path.rename(folder / "flow.zarr")
+        steadied.rename(folder / "flow.zarr")
     steps.reach_share_of_last(1.0)
+    return np.asarray(shifts_px.sum(axis=0) * chain.motion.pixel_size_um)
 
 
 def _result(folder: Path, outcome: Arrays) -> TrackingResult:

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from dropflow.parameters import Divergence
 from dropflow.tracking.chain import StepBack
 from dropflow.tracking.checkpoint import Arrays
 from dropflow.tracking.follow import Look, follow
@@ -30,10 +31,10 @@ _INTERRUPTED_SHARE = 0.3
 class ProbableBackward:
     """Goes back through a film."""
 
-    def __init__(self, grid: Grid, motion: Motion) -> None:
+    def __init__(self, grid: Grid, motion: Motion, divergence: Divergence) -> None:
         self._grid = grid
         self._motion = motion
-        self._flow = FlowMemory(grid, motion.up)
+        self._flow = FlowMemory(grid, motion.up, divergence)
         self._last: WaveFlow | None = None
         """The flow of the step after, for steps of which none was found."""
 

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from dropflow.parameters import TrackingParameters
+from dropflow.parameters import Divergence, TrackingParameters
 from dropflow.tracking.filtering import Trails, reasons
 from dropflow.tracking.grid import Grid
 from dropflow.tracking.prediction import Motion
@@ -29,18 +29,19 @@ class ProbableChain:
     grid: Grid
     motion: Motion
     tracking: TrackingParameters
+    divergence: Divergence
 
     def forward(self) -> ProbableForward:
         """A walk that stands before the first frame."""
-        return ProbableForward(self.grid, self.motion)
+        return ProbableForward(self.grid, self.motion, self.divergence)
 
     def backward(self) -> ProbableBackward:
         """A walk that stands at the last frame."""
-        return ProbableBackward(self.grid, self.motion)
+        return ProbableBackward(self.grid, self.motion, self.divergence)
 
     def flows(self) -> ProbableFlows:
         """The flow fields of the steps."""
-        return ProbableFlows(self.grid, self.motion)
+        return ProbableFlows(self.grid, self.motion, self.divergence)
 
     def judge(self, trails: Trails) -> npt.NDArray[np.str_]:
         """Why each complete trajectory is rejected; empty where it is kept."""
@@ -54,4 +55,4 @@ class ProbableChain:
 
     def settings(self) -> Any:
         """All that decides what the chain does."""
-        return ["probable", self.tracking.shortest_trajectory_frames]
+        return ["probable", self.tracking.shortest_trajectory_frames, str(self.divergence)]

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from dropflow.parameters import Divergence
 from dropflow.tracking.checkpoint import Arrays
 from dropflow.tracking.grid import CornerGrid, Grid
 from dropflow.tracking.probable.directions import Up
@@ -43,9 +44,10 @@ _MEDIAN_SQUARE = 0.455
 class FlowMemory:
     """The model of the flow, the velocities of the last steps, and the flow they give."""
 
-    def __init__(self, grid: Grid, up: Up) -> None:
+    def __init__(self, grid: Grid, up: Up, divergence: Divergence) -> None:
         self._grid = grid
         self._up = up
+        self._divergence = divergence
         probes = CornerGrid(grid.height_px, grid.width_px, _N_PROBES, _N_PROBES)
         self._probes = np.asarray(np.meshgrid(probes.x_px, probes.y_px)).reshape(2, -1)
         self.model: Model | None = None
@@ -108,13 +110,24 @@ class FlowMemory:
         """Find the model that suits the last of these steps, starting from the present one."""
         latest = steps[-_n_last(steps, _ENOUGH_OBSERVATIONS) :]
         thinned = [step[:: 1 + len(step) // _MOST_OBSERVATIONS] for step in latest]
-        first, last = _POTENTIAL_SOUGHT
-        may_diverge = first <= self._n_steps <= last or (self.model is not None and self.model.with_potential)
-        self.model = estimate_spectrum(
-            thinned, self._grid, self.model, self._up, with_potential=may_diverge, most_iterations=most_iterations
+        found = estimate_spectrum(
+            thinned,
+            self._grid,
+            self.model,
+            self._up,
+            with_potential=self._may_diverge(),
+            most_iterations=most_iterations,
         )
+        self.model = replace(found, with_potential=found.with_potential or self._divergence is Divergence.ALWAYS)
         if self.change_um_s2 == 0.0:
             self.change_um_s2 = _FIRST_CHANGE_PER_S * self.model.spectrum.rms_um_s
+
+    def _may_diverge(self) -> bool:
+        """Whether a part of the flow that has a divergence is to be looked for."""
+        if self._divergence is not Divergence.ESTIMATED:
+            return self._divergence is Divergence.ALWAYS
+        first, last = _POTENTIAL_SOUGHT
+        return first <= self._n_steps <= last or (self.model is not None and self.model.with_potential)
 
     def forget(self) -> None:
         """Forget the flow, which is not what it was; Stokes' factor stays."""

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from dropflow.parameters import Divergence
 from dropflow.tracking.checkpoint import Arrays
 from dropflow.tracking.flow import FlowField, unknown_flow
 from dropflow.tracking.front import Front
@@ -26,10 +27,10 @@ _MOST_JUMP_RMS = 0.5
 class ProbableFlows:
     """Regression over a few steps around each."""
 
-    def __init__(self, grid: Grid, motion: Motion) -> None:
+    def __init__(self, grid: Grid, motion: Motion, divergence: Divergence) -> None:
         self._grid = grid
         self._motion = motion
-        self._flow = FlowMemory(grid, motion.up)
+        self._flow = FlowMemory(grid, motion.up, divergence)
         self._window: list[Observations] = []
         self._sums: dict[int, Sums] = {}
         """Of steps of the window, by `id`; they can be had again from these."""

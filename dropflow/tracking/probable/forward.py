@@ -5,6 +5,7 @@ from dataclasses import fields, replace
 import numpy as np
 
 from dropflow.droplets import Droplets
+from dropflow.parameters import Divergence
 from dropflow.tracking.chain import StepForward
 from dropflow.tracking.checkpoint import Arrays
 from dropflow.tracking.follow import Followed, Look, follow
@@ -41,12 +42,12 @@ _SURE_SPACINGS = 0.3
 class ProbableForward:
     """Goes forward through a film."""
 
-    def __init__(self, grid: Grid, motion: Motion) -> None:
+    def __init__(self, grid: Grid, motion: Motion, divergence: Divergence) -> None:
         self._grid = grid
         self._motion = motion
         self._front = Front.empty()
         self._memory = Memory.of_new(np.empty(0), np.empty(0), 0.0)
-        self._flow = FlowMemory(grid, motion.up)
+        self._flow = FlowMemory(grid, motion.up, divergence)
         self._scales = Scales()
         self._next_id = 0
 

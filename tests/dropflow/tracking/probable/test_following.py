@@ -104,6 +104,26 @@ def test_a_camera_that_is_pushed_loses_no_droplet(tmp_path: Path) -> None:
     assert (shift["x_px"], shift["y_px"]) == pytest.approx((-55, 0), abs=3)
 
 
+def test_a_push_of_the_camera_is_in_no_velocity(tmp_path: Path) -> None:
+    """Places are those of the image; velocities, flow and drift are those of the fluid."""
+    given = film(flow=vortices(8, 300, drift_px_s=(6, 0)), n_frames=14)
+    push = np.array([25.0, -10.0])
+    frames = [
+        replace(droplets, x_px=droplets.x_px + push[0], y_px=droplets.y_px + push[1]) if frame >= 7 else droplets
+        for frame, droplets in enumerate(given.frames)
+    ]
+    still = tracked(given, tmp_path / "still", "default")
+    pushed = tracked(replace(given, frames=frames), tmp_path / "pushed", "default")
+    pixel = given.experiment.pixel_size_um
+    speeds = {}
+    for name, result in (("still", still), ("pushed", pushed)):
+        rows = read(result).filter(pc.field("frame") == 6)
+        flow = zarr.open_group(result.flow, mode="r")["velocity_um_s"][6]
+        u, v = (float(np.median(rows[column].to_numpy())) for column in ("u_um_s", "v_um_s"))
+        speeds[name] = np.array([u, v, *flow.mean(axis=(1, 2)), *result.drift_um_s]) / pixel
+    np.testing.assert_allclose(speeds["pushed"], speeds["still"], atol=1.5)
+
+
 def test_a_camera_at_rest_is_not_said_to_have_moved(tmp_path: Path) -> None:
     """However the flow turns."""
     given = film(flow=vortices(10, 300, drift_px_s=(10, 5)), n_frames=10, n_droplets=60, radius_error=0.02)
