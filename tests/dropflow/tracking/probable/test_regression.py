@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import numpy.typing as npt
 import pytest
@@ -85,8 +87,7 @@ def random_flow(assumed: Model, seed: int) -> WaveFlow:
     rng = np.random.default_rng(seed)
     amplitudes = rng.normal(size=len(assumed.prior)) * np.sqrt(assumed.prior)
     amplitudes[:3] = 0
-    some = regress(observations(5), assumed)
-    return WaveFlow(assumed, amplitudes, some.factor)
+    return replace(regress(observations(5), assumed), amplitudes=amplitudes)
 
 
 def seen_in(truth: WaveFlow, n: int, seed: int, *, stokes_error: float = 0.0, noise_um_s: float = 0.5) -> Observations:
