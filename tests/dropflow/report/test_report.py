@@ -1,14 +1,16 @@
 import json
+import shutil
 import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+import zarr
 
 from dropflow.cli import main
 from dropflow.errors import ExperimentError, ResultsError
-from dropflow.figures.catalogue import CATALOGUE
-from dropflow.figures.entry import Group
+from dropflow.figures.catalogue import BY_NAME, CATALOGUE
+from dropflow.figures.entry import Group, draw
 from dropflow.figures.example import WORKING_PANELS
 from dropflow.physics.temperature_log import TemperatureLog
 from dropflow.report.frames import FrameSource
@@ -17,6 +19,7 @@ from dropflow.report.sections import sections
 from dropflow.report.words import methods_of, numbers_of, warnings_of
 from dropflow.results import Results, open_results
 from dropflow.statistics.findings import Findings
+from dropflow.statistics.summary import statistics_of
 from tests.dropflow.report.conftest import SCENARIO, WAVES
 
 KEYS = [entry.name for entry in CATALOGUE if entry.group is not Group.FLUID and entry.name not in WORKING_PANELS]
@@ -141,3 +144,16 @@ def test_another_frame_needs_the_stack(
         main()
     assert ended.value.code == 2
     assert "--frame and --stack together" in capsys.readouterr().err
+
+
+def test_a_flow_without_a_computed_cell_is_said_and_never_a_number(results_folder: Path, tmp_path: Path) -> None:
+    shutil.copytree(results_folder, tmp_path / "other")
+    zarr.open_array(tmp_path / "other" / "flow.zarr" / "is_interpolated", mode="r+")[:] = True
+    found = find(open_results(tmp_path / "other"))
+    for name in ("flow_moments", "flow_bins", "flow_correlation"):
+        figure = draw(BY_NAME[name], found)
+        assert not [trace for trace in figure.data if trace.x is not None and len(trace.x)], name
+        assert any("no flow" in note.text for note in figure.layout.annotations), name
+    said = statistics_of(found)
+    assert said["correlation_length_um"] is None
+    json.dumps(said, allow_nan=False)
