@@ -101,7 +101,7 @@ def _moments(compared: Sequence[Compared], title: str) -> go.Figure:
     shown = [coarsen(_shown(one.found), MAX_COLUMNS) for one in compared]
     factor, unit = time_axis(np.concatenate([of.time_s for of in shown] or [np.empty(0)]))
     depths = _common_depths(compared)
-    fraction = "area fraction" if None in depths else "volume fraction"
+    fraction = "area fraction" if any(depth is None for depth in depths) else "volume fraction"
     stacked_axes(figure, [fraction, "radius (µm)", "droplets per frame"])
     figure.update_layout(xaxis={"title": {"text": f"time t ({unit})"}})
     for one, of, depth_um in zip(compared, shown, depths, strict=True):
