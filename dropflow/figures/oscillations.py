@@ -114,7 +114,7 @@ def periods_against_driving(
     driving = np.concatenate([np.full(len(all_s), xi) for xi, all_s in experiments.values()] or [np.empty(0)])
     period_s = np.concatenate([all_s for _, all_s in experiments.values()] or [np.empty(0)])
     if not len(driving):
-        return say_empty(figure, "no experiment with two oscillations")
+        return say_empty(figure, "no experiment with a known ξ and two certain oscillations")
     group = driving_group(driving)
     for number in np.unique(group):
         name, colour, symbol = _GROUPS[number]
