@@ -59,7 +59,7 @@ def _tune(page: Page) -> None:
     radius.fill("12")
     expect(page.get_by_label(re.compile("^Preview of frame 0"))).not_to_have_attribute("aria-label", before or "")
     radius.fill("4")
-    page.get_by_text("Rejected candidates", exact=True).click()
+    page.get_by_role("switch", name="Rejected candidates").check()
     expect(page.get_by_role("table", name="Rejected candidates by reason")).to_be_visible()
     page.get_by_role("radiogroup", name="What is previewed").get_by_text("Following").click()
     expect(page.get_by_text(re.compile("on trajectories found again in the next frame")).first).to_be_visible(
@@ -85,7 +85,8 @@ def _look_at_every_dashboard(page: Page) -> None:
         for tab in TABS:
             page.get_by_role("tab", name=tab).click()
             expect(page.get_by_label("Loading")).to_have_count(0)
-            expect(page.get_by_role("alert")).to_have_count(0)
+            if tab != "Numbers and parameters":  # there a run may warn
+                expect(page.get_by_role("alert")).to_have_count(0)
             assert serious_findings(page) == [], (tab, scheme)
     page.emulate_media(color_scheme="light")
 
@@ -94,11 +95,11 @@ def _see_what_was_rejected(page: Page) -> None:
     page.get_by_role("tab", name="Droplets").click()
     page.get_by_role("group", name="Drawn over the frame").get_by_text("Rejected").click()
     expect(page.get_by_role("table", name="Rejected candidates by reason")).to_be_visible()
-    page.get_by_text("As detection sees it").click()
+    page.get_by_role("switch", name="As detection sees it").check()
     expect(page.get_by_label("Looking at the frame once more")).to_have_count(0)
     assert "prepared=true" in page.url
     assert serious_findings(page) == []
-    page.get_by_text("As detection sees it").click()
+    page.get_by_role("switch", name="As detection sees it").uncheck()
 
 
 def _take_pictures_away(page: Page) -> None:

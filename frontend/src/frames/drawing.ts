@@ -68,8 +68,9 @@ export async function sceneAsSvg(scene: Scene): Promise<Blob> {
   const um_per_screen_px = pixel_size_um / mapping.scale;
   paintStamp(stamp, { width, height, um_per_screen_px, text: scene.stamp, size: 13 * unit });
   const text = `<svg xmlns="http://www.w3.org/2000/svg" width="${width}" height="${height}" viewBox="0 0 ${width} ${height}">
+<clipPath id="seen"><rect width="${width}" height="${height}"/></clipPath>
 <image href="${address}" width="${width}" height="${height}"/>
-<g transform="translate(${mapping.left} ${mapping.top}) scale(${unit})">${over.elements.join("\n")}</g>
+<g clip-path="url(#seen)"><g transform="translate(${mapping.left} ${mapping.top}) scale(${unit})">${over.elements.join("\n")}</g></g>
 <g>${stamp.elements.join("\n")}</g>
 </svg>`;
   return new Blob([text], { type: "image/svg+xml" });

@@ -17,15 +17,22 @@ export function canFilm(): boolean {
 /** Frames `first` to `last` as they are seen, with everything drawn over them, as MP4. */
 export async function filmAsMp4(options: FilmOptions): Promise<Blob> {
   const { first, last, frames_per_s, sceneOf, onProgress, signal } = options;
-  const { BufferTarget, CanvasSource, getFirstEncodableVideoCodec, Mp4OutputFormat, Output, QUALITY_HIGH } =
-    await import("mediabunny");
+  const {
+    BufferTarget,
+    CanvasSource,
+    getFirstEncodableVideoCodec,
+    Mp4OutputFormat,
+    Output,
+    QUALITY_VERY_HIGH,
+  } = await import("mediabunny");
   const canvas = await drawScene(await sceneOf(first), document.createElement("canvas"), true);
   const format = new Mp4OutputFormat();
   const { width, height } = canvas;
   const codec = await getFirstEncodableVideoCodec(format.getSupportedVideoCodecs(), { width, height });
   if (!codec) throw new Error("This browser has no video encoder that MP4 can hold.");
   const output = new Output({ format, target: new BufferTarget() });
-  const track = new CanvasSource(canvas, { codec, bitrate: QUALITY_HIGH });
+  // Thin circles over grey are what codecs blur first.
+  const track = new CanvasSource(canvas, { codec, bitrate: QUALITY_VERY_HIGH });
   output.addVideoTrack(track, { frameRate: frames_per_s });
   await output.start();
   for (let frame = first; frame <= last; frame++) {

@@ -33,3 +33,13 @@ it("text stays text, whatever stands in it", () => {
   const [text] = drawn((pen) => pen.fillText("a < b & c", 1, 2));
   expect(text?.textContent).toBe("a < b & c");
 });
+
+it("what is written is XML, also with a font whose name stands in quotes", () => {
+  const pen = new SvgPen();
+  pen.font = '600 13px "Inter Variable", sans-serif';
+  pen.fillText("t < 5 s & more", 1, 2);
+  const svg = `<svg xmlns="http://www.w3.org/2000/svg">${pen.elements.join("")}</svg>`;
+  const parsed = new DOMParser().parseFromString(svg, "image/svg+xml");
+  expect(parsed.querySelector("parsererror")).toBeNull();
+  expect(parsed.querySelector("text")?.textContent).toBe("t < 5 s & more");
+});

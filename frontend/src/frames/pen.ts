@@ -77,7 +77,7 @@ export class SvgPen implements Pen {
   fillText(text: string, x: number, y: number): void {
     const anchor = this.textAlign === "right" ? "end" : this.textAlign === "center" ? "middle" : "start";
     this.elements.push(
-      `<text x="${short(x)}" y="${short(y)}" style="font: ${this.font}" fill="${this.fillStyle}" text-anchor="${anchor}">${escaped(text)}</text>`,
+      `<text x="${short(x)}" y="${short(y)}" style="font: ${this.font.replace(/"/g, "'")}" fill="${this.fillStyle}" text-anchor="${anchor}">${escaped(text)}</text>`,
     );
   }
 }
