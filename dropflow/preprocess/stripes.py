@@ -97,24 +97,23 @@ def _ground(image: Image) -> Image | None:
     return np.asarray(ground - slow, np.float32)
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
 def _low_quantiles(binned: Image) -> Image:
+    """The low quantile of each window of bins, shape (rows, windows), for all rows at once."""
     rows, n_bins = binned.shape
-    n_windows = (n_bins - _WINDOW) // _STRIDE + 1
     rank = int(_QUANTILE * (_WINDOW - 1))
-    result = np.empty((rows, n_windows), np.float32)
-    window = np.empty(_WINDOW, np.float32)
-    for row in range(rows):
-        for k in range(n_windows):
-            for i in range(_WINDOW):
-                value = binned[row, k * _STRIDE + i]
-                j = i - 1
-                while j >= 0 and window[j] > value:
-                    window[j + 1] = window[j]
-                    j -= 1
-                window[j + 1] = value
-            result[row, k] = window[rank]
-    return result
+    along = np.ascontiguousarray(binned.T)
+    starts = range(0, n_bins - _WINDOW + 1, _STRIDE)
+    result = np.empty((len(starts), rows), np.float32)
+    for k, start in enumerate(starts):
+        window = along[start : start + _WINDOW].copy()
+        # The smallest values sink to the front, one after another, as far as the quantile.
+        for place in range(rank + 1):
+            for i in range(_WINDOW - 1, place, -1):
+                smaller = np.minimum(window[i - 1], window[i])
+                np.maximum(window[i - 1], window[i], out=window[i])
+                window[i - 1] = smaller
+        result[k] = window[rank]
+    return np.ascontiguousarray(result.T)
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")

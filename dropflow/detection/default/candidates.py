@@ -7,6 +7,7 @@ however strong the edge: what counts is how much of an outline is there, so that
 """
 
 from dataclasses import dataclass
+from math import ceil
 
 import cv2
 import numba
@@ -19,6 +20,7 @@ from dropflow.detection.default.pyramid import Level, doubled, halved
 Image = npt.NDArray[np.float32]
 Column = npt.NDArray[np.float64]
 Values = npt.NDArray[np.float32]
+Counts = npt.NDArray[np.uint16]
 
 N_PER_OCTAVE = 3
 """Radii voted for in each octave; edges of radii between them still meet within the blur of the votes."""
@@ -93,7 +95,7 @@ def find_candidates(
 
 def _vote(level: Level, noise: float, radii: Column, least_votes: float) -> npt.NDArray[np.float64]:
     """Candidates of one octave: rows x, y, r (px of the frame) and votes."""
-    image = np.asarray(cv2.GaussianBlur(level.image, (0, 0), EDGE_BLUR_PX), np.float32)
+    image = _blurred(level.image, EDGE_BLUR_PX, 3.0)
     rows, columns = image.shape
     size = BIN if radii[0] >= LEAST_BINNED_PX else 1
     capacity = max(image.size // 5, 64)
@@ -101,13 +103,14 @@ def _vote(level: Level, noise: float, radii: Column, least_votes: float) -> npt.
     # Blurring leaves 1 / (2 sqrt(pi) blur) of white noise, and a difference over two pixels about as much again.
     least = np.float32(EDGE_NOISES * noise / (2.0 * EDGE_BLUR_PX))
     n_edges = thin_edges(image, least, edges[0], edges[1], edges[2], edges[3])
-    counts = np.zeros((len(radii), rows // size + 1, columns // size + 1), np.float32)
+    cast = np.zeros((len(radii), rows // size + 1, columns // size + 1), np.uint16)
     x, y, u, v = edges[:, :n_edges]
-    _cast(x, y, u, v, radii.astype(np.float32), np.float32(1 / size), counts)
+    _cast(x, y, u, v, radii.astype(np.float32), np.float32(1 / size), cast)
+    counts = np.empty(cast.shape, np.float32)
     whole = np.empty(len(radii), np.float32)
     for k, radius in enumerate(radii):
         blur = max(VOTE_BLUR_LEAST, VOTE_BLUR * radius / size)
-        cv2.GaussianBlur(counts[k], (0, 0), blur, dst=counts[k], borderType=cv2.BORDER_CONSTANT)
+        counts[k] = _blurred(cast[k].astype(np.float32), blur, 2.5, border=cv2.BORDER_CONSTANT)
         whole[k] = radius / blur**2 * (_TYPICAL_PX / radius) ** _LEVEL_POWER
         whole[k] *= (_TYPICAL_PX / (radius * level.factor)) ** _FRAME_POWER
     peaks = np.empty((4, max(64, MAX_PER_MPIXEL * counts[0].size // 1_000_000)), np.float32)
@@ -117,8 +120,14 @@ def _vote(level: Level, noise: float, radii: Column, least_votes: float) -> npt.
     return np.stack([*places, radii[k.astype(int)] * level.factor, votes])
 
 
+def _blurred(image: Image, sigma: float, n_sigmas: float, border: int = cv2.BORDER_DEFAULT) -> Image:
+    """Blurred by a Gaussian cut off after `n_sigmas`: half the work of OpenCV's own width for float32."""
+    width = 2 * ceil(n_sigmas * sigma) + 1
+    return np.asarray(cv2.GaussianBlur(image, (width, width), sigma, borderType=border), np.float32)
+
+
 @numba.njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
-def _cast(x: Values, y: Values, u: Values, v: Values, radii: Values, scale: np.float32, counts: Image) -> None:
+def _cast(x: Values, y: Values, u: Values, v: Values, radii: Values, scale: np.float32, counts: Counts) -> None:
     """Each edge's votes, one a radius, into `counts` (radius, row, column)."""
     rows, columns = counts.shape[1], counts.shape[2]
     half = np.float32(0.5)
@@ -128,10 +137,10 @@ def _cast(x: Values, y: Values, u: Values, v: Values, radii: Values, scale: np.f
         for k in range(radii.size):
             at_x, at_y = start_x + uphill_x * radii[k], start_y + uphill_y * radii[k]
             if at_x >= 0 and at_y >= 0 and at_x < columns and at_y < rows:
-                counts[k, int(at_y), int(at_x)] += np.float32(1)
+                counts[k, int(at_y), int(at_x)] += np.uint16(1)
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+@numba.njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
 def _peaks(counts: Image, scale: Values, least: np.float32, peaks: Image) -> int:
     """Write x, y, index of radius and votes of places with more votes than around them and than at the next radii."""
     n_radii, rows, columns = counts.shape

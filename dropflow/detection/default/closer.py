@@ -32,7 +32,7 @@ _REACHES = (0.35, 0.2, 0.12)
 """How far from the circle at hand an edge is believed (standard deviation, in radii), by iteration."""
 _STRIDES = (2, 2, 1)
 """Steps between the samples of the search for edges, by iteration: the first ones only have to come near."""
-_RAY_STRIDES = (2, 1, 1)
+_RAY_STRIDES = (2, 2, 1)
 _FARTHEST = 0.5
 """A circle moves at most this many radii in one iteration."""
 _LEAST_ON_CIRCLE = 0.35

@@ -21,20 +21,25 @@ _QUANTILE = 0.4
 _EDGE_FROM = 14
 """From this step outwards a droplet's own light only falls."""
 _OUTSIDE_FROM = 19
+_OUTSIDE = np.float32(np.inf)
+"""Stands for samples outside the frame: behind all others."""
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")
 def own_profile(image: Image, x: float, y: float, r: float, polar: Polar, profile: Polar) -> None:
     """The droplet's own brightness above its surroundings by distance, shape (N_PROFILE,), steps of STEP radii."""
     sample(image, x, y, r, 0, N_PROFILE - 1, 1, 1, polar)
-    values = np.empty(N_RAYS, np.float32)
-    for j in range(N_PROFILE):
-        n = 0
-        for k in range(N_RAYS):
+    n_inside = np.zeros(N_PROFILE, np.int64)
+    for k in range(N_RAYS):
+        for j in range(N_PROFILE):
             if polar[k, j] == polar[k, j]:
-                values[n] = polar[k, j]
-                n += 1
-        profile[j] = np.sort(values[:n])[int(_QUANTILE * (n - 1))] if n > 0 else profile[max(j - 1, 0)]
+                n_inside[j] += 1
+            else:
+                polar[k, j] = _OUTSIDE
+    _lowest_first(polar)
+    for j in range(N_PROFILE):
+        n = n_inside[j]
+        profile[j] = polar[int(_QUANTILE * (n - 1)), j] if n > 0 else profile[max(j - 1, 0)]
     end = _OUTSIDE_FROM
     for j in range(_OUTSIDE_FROM, N_PROFILE):
         if profile[j] < profile[end]:
@@ -44,6 +49,16 @@ def own_profile(image: Image, x: float, y: float, r: float, polar: Polar, profil
         profile[j] = max(profile[j] - ground, np.float32(0)) if j < end else np.float32(0)
         if j >= _EDGE_FROM:
             profile[j] = min(profile[j], profile[j - 1])
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"nnan", "nsz"})
+def _lowest_first(polar: Polar) -> None:
+    """Sort each step over the rays as far as the quantile: all steps at once, by vector instructions."""
+    for place in range(int(_QUANTILE * (N_RAYS - 1)) + 1):
+        for k in range(N_RAYS - 1, place, -1):
+            for j in range(N_STEPS):
+                above, below = polar[k - 1, j], polar[k, j]
+                polar[k - 1, j], polar[k, j] = (above, below) if above < below else (below, above)
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")
@@ -73,7 +88,7 @@ def explain_away(image: Image, x: Column, y: Column, r: Column, profiles: Polar)
 
     In the order given, the surest first: each is measured on what those before it have left.
     """
-    polar = np.empty((N_RAYS, N_STEPS), np.float32)
+    polar = np.zeros((N_RAYS, N_STEPS), np.float32)
     for i in range(x.size):
         own_profile(image, x[i], y[i], r[i], polar, profiles[i])
         subtract(image, x[i], y[i], r[i], profiles[i])

@@ -9,7 +9,7 @@ from dropflow.detection.default.candidates import find_candidates
 from dropflow.detection.default.closer import NO_OWN, NO_PROFILES, look_closer
 from dropflow.detection.default.explain import explain_away
 from dropflow.detection.default.features import SPREAD, VOTES
-from dropflow.detection.default.model import Model, log_odds_of
+from dropflow.detection.default.model import Model, log_odds_of, probability_of
 from dropflow.detection.default.overlaps import context
 from dropflow.detection.default.pyramid import Level, pyramid
 from dropflow.detection.default.rays import N_PROFILE
@@ -28,7 +28,7 @@ SURE = 0.5
 DOUBTFUL = 0.1
 """Candidates of the first look below this are not looked at again."""
 _BATCH, _BATCH_PER_MPIXEL = 300, 140
-_LEAST_YIELD = 0.06
+_LEAST_YIELD = 0.1
 """Candidates are looked at in batches, those with most votes first, until less than this share of one is sure."""
 _MOST_BATCHES = 12
 _TRAINING_BATCHES = 3
@@ -46,6 +46,11 @@ class FirstLook:
     noise: float
     usual: Usual
     sightings: Sightings
+
+    def log_odds(self, model: Model) -> Column:
+        """Of being a droplet, of each sighting: those of the look itself, or of another model."""
+        known = self.sightings.first_log_odds
+        return known if np.isfinite(known).all() else model.first.predict(self.sightings.features)
 
 
 def first_look(image: Image, model: Model | None, *, r_min_px: float, r_max_px: float) -> FirstLook:
@@ -90,7 +95,7 @@ class _Rest:
     @staticmethod
     def of(image: Image, first: FirstLook, model: Model, *, r_min_px: float, r_max_px: float) -> "_Rest":
         """Explain away what the first look took for sure."""
-        probability = model.first_probability(first.sightings.features)
+        probability = probability_of(first.log_odds(model))
         is_sure = (probability > SURE) & first.sightings.best(probability)
         order = np.flatnonzero(is_sure)[np.argsort(-probability[is_sure], kind="stable")]
         sure = first.sightings[order]
@@ -131,16 +136,20 @@ class _Look:
             finest_px=finest_px,
             least_votes=LEAST_VOTES,
         )
-        start = Sightings.unmeasured(found.x_px, found.y_px, found.r_px, found.votes)
+        start = Sightings.unmeasured(found.x_px, found.y_px, found.r_px, found.votes).apart()
         size = _BATCH + _BATCH_PER_MPIXEL * self.levels[0].image.size // 1_000_000
         n_batches = _TRAINING_BATCHES if model is None else _MOST_BATCHES
-        order = np.argsort(-found.votes, kind="stable")[: n_batches * size]
+        order = np.argsort(-start.features[:, VOTES], kind="stable")[: n_batches * size]
         seen = start[:0]
         for begin in range(0, len(order), size):
             batch = self.closer(start[order[begin : begin + size]])
             n_before, seen = len(seen), seen.followed_by(batch).unique()
+            if model is None:
+                continue
             # What was seen before had more votes, so it is all still there.
-            if model is not None and model.n_sure(seen.features[n_before:], SURE) < _LEAST_YIELD * size:
+            log_odds = model.first.predict(seen.features[n_before:])
+            seen.first_log_odds[n_before:] = log_odds
+            if np.count_nonzero(probability_of(log_odds) > SURE) < _LEAST_YIELD * size:
                 break
         return seen
 
@@ -170,10 +179,10 @@ class _Look:
             self.usual = usual_of(features, self.levels[0].image, self.noise)
         relate_to_frame(features, self.usual)
         features[:, VOTES] = start.features[:, VOTES]
-        return Sightings(x, y, r, features)
+        return Sightings(x, y, r, features, start.first_log_odds.copy())
 
 
 def _with_context(seen: Sightings, sure: Column, own: Rows, log_odds: Column) -> Sightings:
     around = context(seen.x_px, seen.y_px, seen.r_px, sure, own)
     features = np.column_stack([seen.features, around, log_odds])
-    return Sightings(seen.x_px, seen.y_px, seen.r_px, features)
+    return Sightings(seen.x_px, seen.y_px, seen.r_px, features, seen.first_log_odds)

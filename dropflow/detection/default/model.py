@@ -49,10 +49,6 @@ class Model:
         """Probability that a candidate of the first look is a droplet, shape (n,)."""
         return probability_of(self.first.predict(features))
 
-    def n_sure(self, features: Column, least: float) -> int:
-        """How many candidates of the first look have more than this probability."""
-        return int(np.count_nonzero(self.first_probability(features) > least))
-
     def share_out_of_range(self, features: Column) -> float:
         """Mean share of features (shape (n, len(AGAIN))) beyond what was seen in training; 0 of none."""
         if len(features) == 0:

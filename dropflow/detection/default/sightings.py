@@ -14,6 +14,8 @@ Rows = npt.NDArray[np.int64]
 
 _SAME_DISTANCE, _SAME_RATIO = 0.2, 1.2
 """Fits as near as this have ended on the same circle."""
+_NEAR_DISTANCE, _NEAR_RATIO = 0.3, 1.3
+"""Fits that begin as near as this will end on the same circle."""
 _TWICE_DISTANCE, _TWICE_RATIO = 0.5, 1.35
 """Circles as near as this are one droplet found twice."""
 
@@ -26,6 +28,8 @@ class Sightings:
     y_px: Column
     r_px: Column
     features: Column
+    first_log_odds: Column
+    """Of being a droplet after the first look, NaN where nobody has asked."""
 
     @staticmethod
     def unmeasured(x_px: Column, y_px: Column, r_px: Column, votes: Column | None = None) -> "Sightings":
@@ -33,7 +37,7 @@ class Sightings:
         features = np.full((len(x_px), N_FEATURES), np.nan)
         if votes is not None:
             features[:, VOTES] = votes
-        return Sightings(x_px, y_px, r_px, features)
+        return Sightings(x_px, y_px, r_px, features, np.full(len(x_px), np.nan))
 
     def __len__(self) -> int:
         return len(self.x_px)
@@ -58,7 +62,12 @@ class Sightings:
 
     def unique(self) -> "Sightings":
         """Without fits that have ended on the same circle; the one that had most votes stays."""
+        return self._of_most_votes(_SAME_DISTANCE, _SAME_RATIO)
+
+    def apart(self) -> "Sightings":
+        """Without candidates so near to one with more votes that their fits would end on the same circle."""
+        return self._of_most_votes(_NEAR_DISTANCE, _NEAR_RATIO)
+
+    def _of_most_votes(self, distance: float, ratio: float) -> "Sightings":
         votes = self.features[:, VOTES]
-        return self[
-            is_best_of_its_kind(self.x_px, self.y_px, self.r_px, votes, distance=_SAME_DISTANCE, ratio=_SAME_RATIO)
-        ]
+        return self[is_best_of_its_kind(self.x_px, self.y_px, self.r_px, votes, distance=distance, ratio=ratio)]

@@ -72,6 +72,10 @@ FIRST_STEP_MAX_PX = 4.0
 LAST_STEP_PX = 0.25
 REORDERED = {"reassoc", "nsz", "arcp", "contract"}
 """Sums may be reordered (and so vectorised), but infinities stay what they are."""
+N_REMEMBERED = 40
+"""Circles of which a climb knows the match: those of its last two sweeps."""
+SAME_PX = 1e-9
+"""Steps forth and back end within rounding of where they began."""
 MAX_SWEEPS = 60
 """A climb that has not ended by then is on a slope that leads to no droplet of this size."""
 
@@ -141,23 +145,41 @@ def _match_all(image: Image, x: Column, y: Column, r: Column, constants: Constan
 
 
 @numba.njit(cache=True, nogil=True)
+def _remembered(image: Image, x: float, y: float, r: float, constants: Constants, memory: Column) -> float:
+    """The match, computed once for each circle of a climb: `memory` has rows x, y, r, match and is written in turn.
+
+    The way back from each step, and the corners of the next sweep, have been looked at before.
+    """
+    for k in range(N_REMEMBERED):
+        if abs(memory[0, k] - x) + abs(memory[1, k] - y) + abs(memory[2, k] - r) < SAME_PX:
+            return float(memory[3, k])
+    turn = int(memory[0, N_REMEMBERED])
+    memory[0, turn], memory[1, turn], memory[2, turn] = x, y, r
+    memory[3, turn] = _match_at(image, x, y, r, constants)
+    memory[0, N_REMEMBERED] = (turn + 1) % N_REMEMBERED
+    return float(memory[3, turn])
+
+
+@numba.njit(cache=True, nogil=True)
 def _climb_all(
     image: Image, x: Column, y: Column, r: Column, r_low: float, r_high: float, constants: Constants
 ) -> Column:
     """Return rows x, y, r, match of shape (4, n)."""
     result = np.empty((4, x.size))
-    here = np.empty(3)
+    here, memory = np.empty(3), np.empty((4, N_REMEMBERED + 1))
     for i in range(x.size):
+        memory.fill(np.nan)
+        memory[0, N_REMEMBERED] = 0
         here[0], here[1], here[2] = x[i], y[i], r[i]
-        best = _match_at(image, here[0], here[1], here[2], constants)
+        best = _remembered(image, here[0], here[1], here[2], constants, memory)
         step = min(max(LAST_STEP_PX, FIRST_STEP * r[i]), FIRST_STEP_MAX_PX)
         for _ in range(MAX_SWEEPS):
             is_last = step <= LAST_STEP_PX
             before = best
             for axis in range(3):
-                best = _try_axis(image, here, axis, step, is_last, best, r_low, r_high, constants)
+                best = _try_axis(image, here, axis, step, is_last, best, r_low, r_high, constants, memory)
             if best <= before:
-                best = _try_growing_sideways(image, here, step, best, r_low, r_high, constants)
+                best = _try_growing_sideways(image, here, step, best, r_low, r_high, constants, memory)
             if best <= before or (is_last and best - before < 1e-4):
                 if is_last:
                     break
@@ -169,7 +191,7 @@ def _climb_all(
 @numba.njit(cache=True, nogil=True)
 def _try_axis(
     image: Image, here: Column, axis: int, step: float, is_last: bool, best: float, r_low: float, r_high: float,
-    constants: Constants,
+    constants: Constants, memory: Column,
 ) -> float:  # fmt: skip
     """Move `here` along one axis to the best of two neighbours or, in the last steps, to the vertex between them."""
     start = here[axis]
@@ -179,7 +201,7 @@ def _try_axis(
         here[axis] = start + (2 * side - 1) * step
         sides[side] = NOWHERE
         if axis < 2 or r_low <= here[2] <= r_high:
-            sides[side] = _match_at(image, here[0], here[1], here[2], constants)
+            sides[side] = _remembered(image, here[0], here[1], here[2], constants, memory)
     centre = best
     for side in range(2):
         if sides[side] > best:
@@ -188,7 +210,7 @@ def _try_axis(
         bend = sides[0] - 2 * centre + sides[1]
         if bend < 0:
             here[axis] = start + step * 0.5 * (sides[0] - sides[1]) / bend
-            vertex = _match_at(image, here[0], here[1], here[2], constants)
+            vertex = _remembered(image, here[0], here[1], here[2], constants, memory)
             if vertex > best:
                 best, best_at = vertex, here[axis]
     here[axis] = best_at
@@ -197,8 +219,9 @@ def _try_axis(
 
 @numba.njit(cache=True, nogil=True)
 def _try_growing_sideways(
-    image: Image, here: Column, step: float, best: float, r_low: float, r_high: float, constants: Constants
-) -> float:
+    image: Image, here: Column, step: float, best: float, r_low: float, r_high: float, constants: Constants,
+    memory: Column,
+) -> float:  # fmt: skip
     """Move along x or y and change the radius at once: a circle that touches the edge from inside can only grow so."""
     start_x, start_y, start_r = here
     best_x, best_y, best_r = start_x, start_y, start_r
@@ -208,7 +231,7 @@ def _try_growing_sideways(
         r = start_r + (step if way & 4 else -step)
         if not r_low <= r <= r_high:
             continue
-        value = _match_at(image, x, y, r, constants)
+        value = _remembered(image, x, y, r, constants, memory)
         if value > best:
             best, best_x, best_y, best_r = value, x, y, r
     here[0], here[1], here[2] = best_x, best_y, best_r

@@ -137,13 +137,26 @@ def flood(gradient: Levels, markers: Labels) -> Labels:
 
 def _circles(regions: Labels, n_maxima: int, *, r_min_px: float, r_max_px: float) -> Circles:
     """Circles of the area and centroid of each droplet's region, where their radius is one looked for."""
-    flat = regions.ravel()
-    n_labels = n_maxima + BACKGROUND + 1
-    area = np.bincount(flat, minlength=n_labels).astype(np.float64)
-    rows, columns = regions.shape
-    x_sum = np.bincount(flat, np.tile(np.arange(columns, dtype=np.float32), rows), n_labels)
-    y_sum = np.bincount(flat, np.repeat(np.arange(rows, dtype=np.float32), columns), n_labels)
+    area, x_sum, y_sum = _sums(regions, n_maxima + BACKGROUND + 1)
     droplets = slice(BACKGROUND + 1, None)
     radius = np.sqrt(area[droplets] / np.pi)
     circles = Circles(x_sum[droplets] / area[droplets], y_sum[droplets] / area[droplets], radius)
     return circles[(radius >= r_min_px) & (radius <= r_max_px)]
+
+
+@numba.njit(cache=True, nogil=True)
+def _sums(regions: Labels, n_labels: int) -> npt.NDArray[np.float64]:
+    """Number of pixels of each label, and the sums of their columns and rows; shape (3, n_labels)."""
+    rows, columns = regions.shape
+    result = np.zeros((3, n_labels))
+    for row in range(rows):
+        column = 0
+        while column < columns:
+            label, begin = regions[row, column], column
+            while column < columns and regions[row, column] == label:
+                column += 1
+            n = column - begin
+            result[0, label] += n
+            result[1, label] += n * (begin + column - 1) * 0.5
+            result[2, label] += n * row
+    return result

@@ -9,7 +9,7 @@ from dropflow.detection.default.explain import explain_away
 from dropflow.detection.default.features import EDGE_SHARE, INSIDE, MATCH
 from dropflow.detection.default.overlaps import context, is_best_of_its_kind
 from dropflow.detection.default.pyramid import doubled, halved, pyramid
-from dropflow.detection.default.rays import N_PROFILE
+from dropflow.detection.default.rays import N_PROFILE, N_RAYS, _median
 from tests.dropflow.detection.discs import draw
 
 NOISE = 1.5
@@ -96,3 +96,11 @@ def test_context_tells_rims_and_disks_of_others():
     assert around[1, :2].tolist() == [0, 1]  # inside the first one
     assert around[2, :2].tolist() == [0, 0]
     assert around[1, 3] == pytest.approx(np.log(1 / 3))
+
+
+@pytest.mark.parametrize("n", [1, 2, 7, 23, 24])
+def test_the_median_by_counting_is_the_median(n):
+    """Of even and odd numbers, and with equal values among them."""
+    rng = np.random.default_rng(n)
+    for values in (rng.normal(size=N_RAYS), rng.integers(0, 4, N_RAYS).astype(float)):
+        assert _median(values.copy(), n) == pytest.approx(np.median(values[:n]))

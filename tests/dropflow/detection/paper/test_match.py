@@ -115,3 +115,14 @@ def test_nothing_in_nothing_out():
     assert match(np.zeros((9, 9), np.float32), nothing, nothing, nothing, knobs=KNOBS).shape == (0,)
     found = climb(np.zeros((9, 9), np.float32), nothing, nothing, nothing, r_low_px=3, r_high_px=4, knobs=KNOBS)
     assert [column.shape for column in found] == [(0,)] * 4
+
+
+def test_circles_climb_alike_together_and_alone():
+    """What a climb remembers is its own, and what it reports is the match of where it ends."""
+    image = step_disk(95.3, 80.7, 20.0) + step_disk(140.0, 60.0, 9.0, outside=0.0)
+    rng = np.random.default_rng(3)
+    x, y, r = rng.uniform(60, 150, 40), rng.uniform(40, 110, 40), rng.uniform(4, 30, 40)
+    together = np.array(climb(image, x, y, r, r_low_px=3.0, r_high_px=60.0, knobs=KNOBS))
+    alone = np.array([climbed(image, *start) for start in zip(x, y, r, strict=True)]).T
+    assert np.array_equal(together, alone)
+    assert match(image, *together[:3], knobs=KNOBS) == pytest.approx(together[3], abs=1e-6)
