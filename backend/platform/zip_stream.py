@@ -6,14 +6,16 @@ from collections.abc import Iterable, Iterator
 
 # The same bytes for the same content, whenever it is asked for.
 _DATE = (1980, 1, 1, 0, 0, 0)
+_LARGE = 1 << 31
+"""A member of so many bytes has sizes that only the newer form of an archive (Zip64) can say."""
 
 
 def zip_stream(members: Iterable[tuple[str, bytes]]) -> Iterator[bytes]:
     """The archive, piece by piece, members uncompressed: their content is compressed already."""
     sink = _Sink()
-    with zipfile.ZipFile(sink, "w", zipfile.ZIP_STORED, allowZip64=False) as archive:
+    with zipfile.ZipFile(sink, "w", zipfile.ZIP_STORED) as archive:
         for name, content in members:
-            with archive.open(zipfile.ZipInfo(name, _DATE), "w") as member:
+            with archive.open(zipfile.ZipInfo(name, _DATE), "w", force_zip64=len(content) >= _LARGE) as member:
                 member.write(content)
             yield sink.take()
     yield sink.take()

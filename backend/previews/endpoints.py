@@ -18,7 +18,7 @@ from backend.stacks.errors import StackNotReady
 
 router = APIRouter(prefix="/experiments/{experiment_id}", tags=["previews"])
 of_runs = APIRouter(prefix="/runs/{run_id}", tags=["results"])
-_ERRORS = responses(NoSuchExperiment, StackNotReady, PreviewFailed, PreviewLate, InvalidRequest)
+_ERRORS = responses(NoSuchExperiment, StackNotReady, PreviewFailed, PreviewLate, TooOften, InvalidRequest)
 
 
 @router.post("/previews", responses=_ERRORS)

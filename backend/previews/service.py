@@ -20,7 +20,7 @@ from dropflow.parameters import parse_parameters
 
 PATIENCE_S = {"droplets": 20.0, "links": 45.0, "suggestions": 45.0}
 LOOKS_PER_MINUTE = 120
-"""Also visitors of a shared run may look: they must not take the workers from everybody else."""
+"""Of one person, or of the visitors by one link: they must not take the workers from everybody else."""
 _FIRST_LOOK_S, _LONGEST_PAUSE_S = 0.02, 0.2
 
 
@@ -32,7 +32,6 @@ def droplets(platform: Platform, viewer: Viewer, experiment_id: UUID, wish: Prev
 
 def of_run(platform: Platform, viewer: Viewer, run_id: UUID, frame: int, *, is_picture_wanted: bool) -> Preview:
     """What a run saw in a frame, looked at once more: rejected candidates are not kept."""
-    platform.rates.count("looks at a frame of a run", str(viewer.person_id or viewer.share_id), LOOKS_PER_MINUTE)
     with platform.sessions.begin() as session:
         run = get_run(session, viewer, run_id)
         experiment_id, document = run.experiment_id, run.document
@@ -58,6 +57,7 @@ def _ask(
     about: dict[str, Any],
 ) -> Any:
     """Send a request and wait; no transaction is open meanwhile."""
+    platform.rates.count("looks at frames", str(viewer.person_id or viewer.share_id), LOOKS_PER_MINUTE)
     with platform.sessions.begin() as session:
         experiment = with_frame(session, viewer, experiment_id, about.get("frame", 0))
         if experiment.stack.index_key is None:  # nothing that a worker could look at

@@ -14,10 +14,10 @@ from dropflow.client.configuration import Server, find_server
 from dropflow.client.connection import Connection
 from dropflow.client.documents import Group
 from dropflow.client.errors import ServerProblem
-from dropflow.client.experiments import Experiment, Experiments
+from dropflow.client.experiments import Experiment, Experiments, already_there
 from dropflow.client.films import film_files, import_key, submission_key
 from dropflow.client.runs import Run, Runs
-from dropflow.client.versions import ApiVersion
+from dropflow.client.versions import ApiVersion, Capability
 from dropflow.experiment import load_experiment
 from dropflow.progress import Progress, silent
 
@@ -92,8 +92,15 @@ class Client:
         stack, description = Path(stack), Path(description)
         document = load_experiment(description)
         files = film_files(stack, document, description.parent)
-        name = submission_key(document.model_dump(mode="json"), files, None if group_id is None else str(group_id))
-        experiment = self._create(description, group_id, name, is_again=is_again)
+        group = None if group_id is None else str(group_id)
+        if not is_again and not self._connection.can(Capability.IDEMPOTENCY):
+            # A server of the first version forgets who has asked: look for what an earlier try has made.
+            experiment = already_there(self.experiments.list(), document, files, group)
+        else:
+            experiment = None
+        if experiment is None:
+            name = submission_key(document.model_dump(mode="json"), files, group)
+            experiment = self._create(description, group_id, name, is_again=is_again)
         experiment.send(files, progress=progress)
         return experiment.wait_ready(progress=progress)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 from uuid import UUID
@@ -17,7 +17,9 @@ from dropflow.client.runs import Run, Runs
 from dropflow.client.uploads import send_files
 from dropflow.client.versions import Capability
 from dropflow.client.waiting import follow
+from dropflow.experiment import Experiment as Document
 from dropflow.experiment import load_experiment, parse_experiment
+from dropflow.parameters import parse_parameters
 from dropflow.progress import Progress, silent
 
 INDEX, IMPORT = "index", "import"
@@ -143,7 +145,10 @@ class Experiment:
         """The run with these parameters: the one that goes on or is completed, else a new one."""
         name = json.dumps([str(self.id), dict(parameters or {})], sort_keys=True)
         if not self._connection.can(Capability.IDEMPOTENCY):
-            return self.start(parameters)
+            wanted = parse_parameters(dict(parameters or {}))
+            there = (run for run in self.runs() if run.state not in ("failed", "cancelled"))
+            same = next((run for run in there if parse_parameters(run.document.parameters) == wanted), None)
+            return same or self.start(parameters)
         for attempt in range(1000):
             key = hashlib.sha256(f"{name} {attempt}".encode()).hexdigest()
             try:
@@ -180,6 +185,22 @@ class Experiment:
                 problem.detail, code=problem.code, file=problem.file, frame=problem.frame, hint=problem.hint
             )
         raise WentWrong(f"The frames are {stack.state}.", code="client.not_yet", hint="Upload them first.")
+
+
+def already_there(
+    experiments: Iterable[Experiment], document: Document, files: Sequence[FilmFile], group_id: str | None
+) -> Experiment | None:
+    """The experiment that is described alike and has no other files than these, as far as it has any."""
+    own = {file.key: file for file in files}
+    for experiment in experiments:
+        if parse_experiment(experiment.document.experiment) != document:
+            continue
+        if group_id not in (None, str(experiment.document.group.id)):
+            continue
+        sent = experiment.files()
+        if all((file := own.get((there.role, there.name))) and file.sha256() == there.sha256 for there in sent):
+            return experiment
+    return None
 
 
 class Experiments:

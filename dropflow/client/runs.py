@@ -127,6 +127,12 @@ class Run:
         """Trajectories that were taken out, and why."""
         return self._table("rejected_trajectories.parquet")
 
+    def events(self) -> pl.DataFrame:
+        """Where trajectories begin and end and why, and which two droplets became one; what happens while the run
+        goes on is told by `follow`.
+        """
+        return self._table("events.parquet")
+
     def flow(self) -> xr.Dataset:
         """The flow field with its axes and units."""
         import xarray as xr

@@ -4,9 +4,10 @@ import base64
 import hashlib
 import hmac
 import json
+import re
 import socket
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from typing import Any
@@ -27,12 +28,13 @@ from deploy.local.valkey import Valkey
 from tests.house import Json, house_settings
 from tests.lab import ADDRESS, Lab, lab_settings, open_lab
 from tests.receiver import MailServer, Receiver, running_mail_server, running_receiver
-from tests.services import database
+from tests.services import ROOT, database
 from worker.context import Context
 from worker.notices import PAUSES_S, claim, record, tell_round
 from worker.sending import Outcome
 
 HERE = ("127.0.0.0/8",)
+DOCUMENTED = ROOT / "docs" / "how-to" / "notifications.md"
 
 
 @pytest.fixture(scope="module")
@@ -116,6 +118,15 @@ def log_of(browser: httpx.Client, group: UUID, webhook: Json) -> list[Json]:
     return items
 
 
+def documented_check() -> Callable[[str, dict[str, str], bytes], bool]:
+    """What the documentation tells receivers to do."""
+    (code,) = re.findall(r"```python\n(.*?)```", DOCUMENTED.read_text(encoding="utf-8"), re.S)
+    names: dict[str, Any] = {}
+    exec(code, names)  # noqa: S102 - our own page
+    found: Callable[[str, dict[str, str], bytes], bool] = names["is_genuine"]
+    return found
+
+
 def test_the_end_of_a_run_is_told_once_and_signed(
     open_door: Lab, browser: httpx.Client, group: UUID, receiver: Receiver
 ) -> None:
@@ -132,6 +143,8 @@ def test_the_end_of_a_run_is_told_once_and_signed(
     content = f"{headers['webhook-id']}.{headers['webhook-timestamp']}.".encode() + body
     expected = base64.b64encode(hmac.new(key, content, hashlib.sha256).digest()).decode()
     assert headers["webhook-signature"] == f"v1,{expected}"
+    assert documented_check()(webhook["secret"], headers, body)
+    assert not documented_check()(webhook["secret"], headers, body + b" ")
     [line] = log_of(browser, group, webhook)
     assert (line["id"], line["state"], line["next_try_at"]) == (headers["webhook-id"], "delivered", None)
     assert [(attempt["status"], attempt["problem"]) for attempt in line["tries"]] == [(204, None)]

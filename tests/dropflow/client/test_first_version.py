@@ -1,7 +1,9 @@
 """A server of the first version: the service, without all that 1.1 added."""
 
 import json
+import threading
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -82,6 +84,40 @@ def test_it_is_used_as_far_as_it_goes_and_says_why_not_further(
             next(client.runs.list())
         with pytest.raises(WrongVersion, match=r"filters of lists came with 1\.1"):
             next(client.experiments.list(q="film"))
+
+
+def test_submitting_again_makes_no_double_though_the_server_cannot_tell(
+    first_house: House, stack: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("DROPFLOW_CONFIG", str(tmp_path / "servers.yaml"))
+    description = stack.parent / "experiment.yaml"
+    with Client(str(first_house.api.base_url).removesuffix("api/v1/")) as client, working(first_house):
+        killed = client.experiments.create(description)  # and nothing was sent yet
+        first = client.submit(stack, description, parameters=PARAMETERS)
+        again = client.submit(stack, description, parameters=PARAMETERS)
+        assert (first.document.experiment_id, again.id) == (killed.id, first.id)
+        assert len(list(client.experiments.list())) == 1
+        other = {**PARAMETERS, "flow": {"n_columns": 4, "n_rows": 4}}
+        assert client.submit(stack, description, parameters=other).id != first.id
+        assert client.submit(stack, description, parameters=PARAMETERS, is_again=True).id != first.id
+
+
+@contextmanager
+def working(house: House) -> Iterator[None]:
+    """A worker that works by itself."""
+    end = threading.Event()
+
+    def work() -> None:
+        while not end.wait(0.1):
+            house.work()
+
+    thread = threading.Thread(target=work)
+    thread.start()
+    try:
+        yield
+    finally:
+        end.set()
+        thread.join()
 
 
 def test_what_is_no_dropflow_is_told_by_its_answer(postgres_server: Postgres) -> None:
