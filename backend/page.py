@@ -5,6 +5,8 @@ from pathlib import Path
 from fastapi import FastAPI, HTTPException, Request
 from fastapi.responses import FileResponse, HTMLResponse, Response
 
+from backend.platform.methods import allowed_methods
+
 NOT_BUILT = """<!doctype html><html lang="en"><title>Dropflow</title><h1>The page is not built yet</h1>
 <p>Run <code>make setup</code> in the checkout and load this again.
 The API works: <a href="/api/v1/openapi.json">/api/v1/openapi.json</a> describes it.
@@ -24,7 +26,8 @@ def install(app: FastAPI, dist: Path) -> None:
     @app.api_route("/{path:path}", methods=["GET", "HEAD"], include_in_schema=False)
     def page(request: Request, path: str) -> Response:
         if path == "api" or path.startswith("api/"):
-            raise HTTPException(404)
+            # A call that there is, asked for by a method that it has not, comes here as the last that matches.
+            raise HTTPException(405 if allowed_methods(app.openapi(), request.url.path) else 404)
         file = _file(dist, path)
         if file is not None:
             keep = _FOR_EVER if path.startswith("assets/") else "no-cache"

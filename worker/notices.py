@@ -1,7 +1,7 @@
 """Sends what is to be told to the outside: each notice again and again, at growing distances, until it is taken.
 
 One that is being sent is held for a while, by one process of all that look; whoever dies meanwhile loses only that
-while. Of one receiver one notice is sent at a time, so that a slow one holds up nobody else.
+while. Of one receiver one notice is sent at a time, so that a slow one holds up others for one try at most.
 """
 
 import threading

@@ -5,7 +5,7 @@ from enum import StrEnum
 from typing import Annotated, Literal
 from uuid import UUID
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, StringConstraints
+from pydantic import AfterValidator, BaseModel, ConfigDict, StrictBool, StringConstraints
 
 from backend.groups.schemas import Name, OwnGroup, Secret
 from backend.platform.texts import Line
@@ -103,7 +103,7 @@ class ChangeAccount(BaseModel):
     model_config = ConfigDict(extra="forbid", json_schema_extra={"examples": [{"name": "Ada Lovelace"}]})
 
     name: Name | None = None
-    is_mailed: bool | None = None
+    is_mailed: StrictBool | None = None
 
 
 class NewPassword(BaseModel):
@@ -170,8 +170,8 @@ class ChangePerson(BaseModel):
 
     model_config = ConfigDict(extra="forbid", json_schema_extra={"examples": [{"is_disabled": True}]})
 
-    is_administrator: bool | None = None
-    is_disabled: bool | None = None
+    is_administrator: StrictBool | None = None
+    is_disabled: StrictBool | None = None
 
 
 class PersonLink(BaseModel):

@@ -108,7 +108,10 @@ def flow_get(platform: PlatformDependency, asker: AskerDependency, frame: FrameN
 @router.get(
     "/report.html",
     response_class=StreamingResponse,
-    responses={200: {"content": {"text/html": {}}, "description": "The page."}, **responses(NoSuchRun, NotYet)},
+    responses={
+        200: {"content": {"text/html": {}}, "description": "The page."},
+        **responses(NoSuchRun, NotYet, InvalidRequest),
+    },
 )
 def report_get(platform: PlatformDependency, asker: AskerDependency) -> StreamingResponse:
     """Get the report: one page with all figures, numbers, parameters, warnings and a methods paragraph."""

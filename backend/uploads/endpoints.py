@@ -6,7 +6,7 @@ from http import HTTPStatus
 from typing import Annotated
 from uuid import UUID
 
-from fastapi import APIRouter, Depends, Request, Response
+from fastapi import APIRouter, Depends, HTTPException, Request, Response
 from fastapi.concurrency import run_in_threadpool
 
 from backend.experiments.errors import NoSuchExperiment
@@ -75,6 +75,12 @@ def uploads_plan(
 ) -> Plan:
     """Say which files should be here: the answer is what is to be sent. Asked again, it says what is left to send."""
     return service.plan(session, platform, viewer, experiment_id, new.files)
+
+
+@router.api_route("/plan", methods=["GET", "HEAD", "PATCH", "DELETE"], include_in_schema=False)
+def uploads_plan_otherwise() -> None:
+    """It is no upload of the id "plan", which could be asked, sent to or ended."""
+    raise HTTPException(HTTPStatus.METHOD_NOT_ALLOWED)
 
 
 @router.get("", responses=responses(NoSuchExperiment, InvalidRequest))

@@ -5,7 +5,7 @@ from enum import StrEnum
 from typing import Annotated, Any
 from uuid import UUID
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, StringConstraints
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, StrictBool, StringConstraints
 
 from backend.models import Event, NoticeState
 from backend.platform.pages import ListQuery, Page
@@ -50,7 +50,7 @@ class ChangeWebhook(BaseModel):
 
     address: Address | None = None
     events: Events | None = None
-    is_active: bool | None = None
+    is_active: StrictBool | None = None
 
 
 class Webhook(BaseModel):

@@ -57,6 +57,22 @@ def test_what_is_not_in_the_api_is_a_problem_and_not_the_page(page: httpx.Client
 
 
 @pytest.mark.parametrize(
+    ("method", "path", "allowed"),
+    [
+        ("GET", "account/password", "PUT"),
+        ("GET", "invitations/accept", "POST"),
+        ("PATCH", "experiments/00000000-0000-4000-8000-000000000000/uploads/plan", "POST"),
+        ("PUT", "experiments", "GET, POST"),
+    ],
+)
+def test_a_method_that_a_call_has_not_is_refused_with_those_that_it_has(
+    page: httpx.Client, method: str, path: str, allowed: str
+) -> None:
+    answer = page.request(method, f"/api/v1/{path}")
+    assert (answer.status_code, answer.headers["allow"]) == (405, allowed)
+
+
+@pytest.mark.parametrize(
     "path", ["/../outside.txt", "/%2e%2e/outside.txt", "/..%2foutside.txt", "/assets/%2e%2e/%2e%2e/outside.txt", "/%00"]
 )
 def test_nothing_outside_the_build_is_served(page: httpx.Client, path: str) -> None:
