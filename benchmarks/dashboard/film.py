@@ -17,7 +17,8 @@ from backend.platform.packing import pack
 from backend.platform.settings import Settings
 from benchmarks.statistics_speed import HEIGHT_PX, WIDTH_PX, write_tables
 from dropflow.results import open_results
-from dropflow.statistics.condensed import FILES, condense, write_condensed
+from dropflow.statistics.condense import condense
+from dropflow.statistics.condensed_files import FILES, write_condensed
 from dropflow.statistics.facts import FilmFacts
 from dropflow.statistics.flow_moments import flow_moments
 from dropflow.statistics.histograms import FrameHistograms, frame_histograms, radius_edges_um

@@ -1,4 +1,4 @@
-import { ActionIcon, Anchor, Group, Select } from "@mantine/core";
+import { ActionIcon, Anchor, Group, Select, Text } from "@mantine/core";
 import { IconX } from "@tabler/icons-react";
 import { useQuery } from "@tanstack/react-query";
 import { Link } from "@tanstack/react-router";
@@ -49,12 +49,13 @@ function Chosen({ run, onRemove }: { run: ComparedRun; onRemove: () => void }) {
       <Dot colour={run.colour} />
       <Anchor
         fz="sm"
-        maw={260}
-        truncate
         renderRoot={(props) => <Link to="/runs/$runId" params={{ runId: run.id }} {...props} />}
       >
-        {label}
+        Run {run.number}
       </Anchor>
+      <Text fz="sm" c="dimmed" maw={200} truncate title={run.experiment_name}>
+        {run.experiment_name}
+      </Text>
       <ActionIcon
         variant="subtle"
         color="gray"
