@@ -1,6 +1,6 @@
 """From measurements to parameters, each with its reason."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -85,12 +85,11 @@ def suggest(frames: Stack, experiment: Experiment, *, flat_field: npt.NDArray[An
     moved, moves = _displacements(frames, which, seen, detector)
     measured = (*measurements_of(seen, detector.estimate), *moved)
     radii_px = np.concatenate([droplets.r_px for droplets in seen.droplets])
-    unfamiliar = float(np.mean([detector.unfamiliar_share(detector.prepare(frames[index])) for index in which[:1]]))
     return Advice(
         tuple(which),
         measured,
         tuple(_radius_range(radii_px, detector, experiment)),
-        tuple(_warnings(len(radii_px), moves, unfamiliar, seen)),
+        tuple(_warnings(len(radii_px), moves, seen.unfamiliar_share, seen)),
     )
 
 
@@ -116,6 +115,7 @@ def _displacements(
     if len(frames) < 2:
         return [], []
     found = []
+    detector = _narrowed(detector, np.concatenate([droplets.r_px for droplets in seen.droplets]))
     for index, before in zip(which, seen.droplets, strict=True):
         after = detector.detect(detector.prepare(frames[index + 1])).droplets
         found.append(displacement(before, after, detector.estimate.shape))
@@ -128,6 +128,18 @@ def _displacements(
         Measurement("spacing", spacing_px, "px", "mean distance of droplets, sqrt(area / number)"),
     ]
     return told, [(one.typical_px, one.spacing_px) for one in found if one.typical_px is not None]
+
+
+def _narrowed(detector: DefaultDetector, radii_px: npt.NDArray[np.float64]) -> DefaultDetector:
+    """A detector of the radii that are there: a search for the smallest of all takes most of the time."""
+    if len(radii_px) == 0:
+        return detector
+    low, high = np.percentile(radii_px, [1, 99])
+    return replace(
+        detector,
+        r_min_px=max(detector.r_min_px, float(low) / _MARGIN),
+        r_max_px=min(detector.r_max_px, float(high) * _MARGIN),
+    )
 
 
 def _radius_range(

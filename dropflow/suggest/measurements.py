@@ -6,7 +6,7 @@ import numpy as np
 
 from dropflow.detection.default.detector import DefaultDetector
 from dropflow.detection.default.features import CONTRAST_USUAL, LOG_R, WIDTH
-from dropflow.detection.default.looks import first_look
+from dropflow.detection.default.model import probability_of
 from dropflow.droplets import Droplets
 from dropflow.preprocess.background import Stack
 from dropflow.preprocess.estimate import StackEstimate
@@ -38,20 +38,23 @@ class Seen:
     contrast: float | None
     blur_px: float | None
     stripes: float
+    unfamiliar_share: float
+    """Part of the features of droplets that the model was not trained for."""
 
 
 def look_around(frames: Stack, which: list[int], detector: DefaultDetector) -> Seen:
     """Search the frames `which` with a detector of a wide range of radii."""
-    droplets, noise, contrasts, widths_px, stripes = [], [], [], [], []
+    droplets, noise, contrasts, widths_px, stripes, unfamiliar = [], [], [], [], [], []
     for index in which:
         image = detector.prepare(frames[index])
-        found = detector.detect(image).droplets
+        first, again = detector.look(image)
+        found = detector.accepted(again).droplets
         droplets.append(found[found.probability >= _SURE])
-        first = first_look(image, detector.model, r_min_px=detector.r_min_px, r_max_px=detector.r_max_px)
+        unfamiliar.append(detector.unfamiliar_share_of(again))
         noise.append(first.noise)
         stripes.append(max(strength(image), strength(image.T)))
         features = first.sightings.features
-        is_sure = detector.model.first_probability(features) >= _SURE
+        is_sure = probability_of(first.log_odds(detector.model)) >= _SURE
         contrasts.append(features[is_sure, CONTRAST_USUAL] * first.usual.contrast)
         widths_px.append(features[is_sure, WIDTH] * np.exp(features[is_sure, LOG_R]))
     contrast, width_px = np.concatenate(contrasts), np.concatenate(widths_px)
@@ -62,6 +65,7 @@ def look_around(frames: Stack, which: list[int], detector: DefaultDetector) -> S
         float(np.median(contrast)) if len(contrast) else None,
         float(np.percentile(width_px, _SHARPEST_PERCENT)) / _WIDTH_OF_SIGMA if len(width_px) else None,
         float(np.median(stripes)),
+        float(np.mean(unfamiliar)),
     )
 
 

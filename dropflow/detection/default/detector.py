@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from dropflow.detection.contract import Detection, Frame, Image, Rejected, Step
 from dropflow.detection.default.features import MATCH
-from dropflow.detection.default.looks import first_look, look_near, second_look
+from dropflow.detection.default.looks import FirstLook, first_look, look_near, second_look
 from dropflow.detection.default.model import Model, default_model, probability_of
 from dropflow.detection.default.predictions import best_near
 from dropflow.detection.default.sightings import Sightings
@@ -51,7 +51,15 @@ class DefaultDetector:
 
     def detect(self, image: Image) -> Detection:
         """Look twice, accept what is likely, each droplet once."""
-        seen = self._seen(image)
+        return self.accepted(self.look(image)[1])
+
+    def look(self, image: Image) -> tuple[FirstLook, Sightings]:
+        """What the two looks at a prepared frame see, before anything is accepted."""
+        first = first_look(image, self.model, r_min_px=self.r_min_px, r_max_px=self.r_max_px)
+        return first, second_look(image, first, self.model, r_min_px=self.r_min_px, r_max_px=self.r_max_px)
+
+    def accepted(self, seen: Sightings) -> Detection:
+        """Those of the second look's sightings that are droplets, and why the others are none."""
         droplets = self._measured(seen)
         why_not = {
             "unlikely": droplets.probability < ACCEPTED,
@@ -74,13 +82,12 @@ class DefaultDetector:
 
     def unfamiliar_share(self, image: Image) -> float:
         """Part of the features of this frame's droplets that is beyond what the model was trained on; 0 of none."""
-        seen = self._seen(image)
+        return self.unfamiliar_share_of(self.look(image)[1])
+
+    def unfamiliar_share_of(self, seen: Sightings) -> float:
+        """The same of what a second look saw."""
         is_likely = probability_of(self.model.again.predict(seen.features)) >= ACCEPTED
         return self.model.share_out_of_range(seen.features[is_likely])
-
-    def _seen(self, image: Image) -> Sightings:
-        first = first_look(image, self.model, r_min_px=self.r_min_px, r_max_px=self.r_max_px)
-        return second_look(image, first, self.model, r_min_px=self.r_min_px, r_max_px=self.r_max_px)
 
     def _is_looked_for(self, droplets: Droplets) -> Flags:
         """Whether the radius may, within its standard deviation, be one of the range looked for."""

@@ -45,10 +45,6 @@ class Model:
     about: dict[str, Any]
     """Version, how it was trained, what it reached."""
 
-    def first_probability(self, features: Column) -> Column:
-        """Probability that a candidate of the first look is a droplet, shape (n,)."""
-        return probability_of(self.first.predict(features))
-
     def share_out_of_range(self, features: Column) -> float:
         """Mean share of features (shape (n, len(AGAIN))) beyond what was seen in training; 0 of none."""
         if len(features) == 0:
