@@ -6,6 +6,7 @@ sweep        the same for ever longer intervals between frames: spacing over dis
 flows        broader spectra of the flow, and droplets that drag the fluid along (true droplets)
 convection   exact paths of a direct numerical simulation with Stokes drift, true droplets and images
 material     drho / eta wrong by 30 % either way (true droplets)
+coalescence  claimed and true coalescences (true droplets, every second pair that touches joins)
 speed        seconds of linking with flow, beside trackpy; growth with the number of droplets; images at 5 megapixels
 
 Seeds and numbers are printed; links are precision / recall; flow is rms error over rms; ISBI numbers have a gate of
@@ -14,16 +15,17 @@ Seeds and numbers are printed; links are precision / recall; flow is rms error o
 
 import argparse
 import contextlib
+import os
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
 import pyarrow.parquet as pq
 
-from benchmarks.tracking import speed
-from benchmarks.tracking.films import SHAPE, convection, simulated, spacing_over_displacement
+from benchmarks.tracking import coalescence, speed
+from benchmarks.tracking.films import SHAPE, convection, simulated, spacing_over_displacement, unknown_share
 from benchmarks.tracking.given import Given, detected_droplets, true_droplets
-from benchmarks.tracking.scores import DEFAULT, HEAD, dropflow_scores, print_all, print_peers, score
+from benchmarks.tracking.scores import DEFAULT, HEAD, dropflow_scores, error_at_droplets, print_all, print_peers, score
 from dropflow.analysis import detect, open_film
 from dropflow.experiment import FixedMaterial, load_experiment
 from dropflow.frames import Choice, open_frames
@@ -31,8 +33,9 @@ from dropflow.parameters import Method, Parameters, TrackingMethod, parse_parame
 from dropflow.pipeline import track_film
 from dropflow.simulation.scenario import SCENARIOS
 
-TABLES = ("images", "truth", "sweep", "flows", "convection", "material", "speed")
-RBC = Path("../shared/data/proptv_dns_rbc/rbc_tracers_6000x30.npz")
+TABLES = ("images", "truth", "sweep", "flows", "convection", "material", "coalescence", "speed")
+REAL_DATA = Path(os.environ.get("DROPFLOW_REAL_DATA", "../shared/data"))
+RBC = REAL_DATA / "proptv_dns_rbc/rbc_tracers_6000x30.npz"
 RATIOS = (4.0, 3.0, 2.0, 1.5, 1.0, 0.7, 0.5, 0.4, 0.3)
 _INTERVAL_AT_ONE_S = 1.25
 """Interval at which droplets of the scenario `fast` move by about their spacing."""
@@ -102,7 +105,10 @@ def print_convection(scratch: Path, _seed: int, _n_frames: int, _names: list[str
     if not RBC.exists():
         print(f"There is no {RBC}: left out.")
         return
-    print_all(true_droplets(convection(scratch, RBC, with_images=False), SHAPE), "convection, truth", scratch / "c")
+    given = true_droplets(convection(scratch, RBC, with_images=False), SHAPE)
+    print_all(given, "convection, truth", scratch / "c")
+    print(f"Flow at the droplets, error over rms: {error_at_droplets(given, scratch / 'c' / 'default'):.3f}")
+    print(f"The simulated flow between its tracers is known to {unknown_share(RBC):.2f} of its rms.", flush=True)
     film = convection(scratch, RBC, with_images=True)
     from_images(film, "convection, images", scratch, 30)
 
@@ -119,6 +125,13 @@ def print_material(scratch: Path, seed: int, n_frames: int, names: list[str]) ->
             off = Given(given.film, given.droplets, experiment, given.shape)
             row = dropflow_scores(off, DEFAULT, scratch / f"material-{name}-{share:g}")
             print(row.row(name, f"dropflow, drho/eta x {share:g}"), flush=True)
+
+
+def print_coalescence(scratch: Path, seed: int, n_frames: int, _names: list[str]) -> None:
+    """Coalescences of three scenarios."""
+    for name in ("easy", "fast", "dense"):
+        film = simulated(scratch, name, seed, n_frames, with_images=False, collision_efficiency=0.5)
+        coalescence.print_row(true_droplets(film, SHAPE), name, film / "results")
 
 
 @contextlib.contextmanager
@@ -150,6 +163,7 @@ def main() -> None:
         "flows": print_flows,
         "convection": print_convection,
         "material": print_material,
+        "coalescence": print_coalescence,
     }
     with _folder(arguments.keep) as scratch:
         for table in arguments.tables or TABLES:
@@ -157,7 +171,8 @@ def main() -> None:
             if table == "speed":
                 speed.print_table(scratch, arguments.speed_frames)
                 continue
-            print(HEAD, flush=True)
+            if table != "coalescence":
+                print(HEAD, flush=True)
             prints[table](scratch, arguments.seed, arguments.frames, arguments.scenarios)
 
 

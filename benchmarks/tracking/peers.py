@@ -10,9 +10,12 @@ import pyarrow as pa
 import trackpy
 
 from benchmarks.tracking.given import Given
+from benchmarks.tracking.limited import within
 
 SEARCH_RANGES = (0.25, 0.5, 0.75, 1.0, 1.5)
 """In mean spacings of droplets; all are tried, and the best by the truth is reported."""
+LIMIT_S = 30
+"""A search range with which a peer takes longer is left out."""
 _SHORTEST_FRAMES = 3
 
 Linker = Callable[[pd.DataFrame, float], pd.Series]
@@ -57,9 +60,11 @@ def tables_of(given: Given, link: Linker) -> Iterator[tuple[float, pa.Table]]:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             try:
-                ids = link(droplets, share * given.spacing_px)
+                ids = within(LIMIT_S, link, droplets, share * given.spacing_px)
             except trackpy.linking.utils.SubnetOversizeException:
                 continue
+        if ids is None:
+            continue
         yield share, trajectories(given, ids.to_numpy())
 
 

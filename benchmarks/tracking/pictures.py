@@ -21,6 +21,7 @@ from dropflow.frames import Choice, open_frames
 
 GREEN, RED, YELLOW, BLUE, WHITE = (60, 230, 60), (240, 50, 50), (255, 220, 0), (80, 160, 255), (255, 255, 255)
 N_TAIL = 8
+_FRAMES_PER_S = 5.0
 _FRAMES_AN_ARROW = 1.0
 """An arrow is as long as the way that the flow goes in so many frames."""
 
@@ -65,20 +66,31 @@ def _at(x: float, y: float) -> tuple[int, int]:
     return round(float(x)), round(float(y))
 
 
+def draw_film(frames_path: Path, results: Path, out: Path, *, every: int) -> None:
+    """All frames as a film beside the folder `out`, and every so many in it."""
+    out.mkdir(parents=True, exist_ok=True)
+    with open_frames(frames_path, Choice.of(_experiment(results))) as frames:
+        n_rows, n_columns = frames.shape
+        codec = cv2.VideoWriter.fourcc(*"mp4v")
+        film = cv2.VideoWriter(str(out.with_suffix(".mp4")), codec, _FRAMES_PER_S, (n_columns, n_rows))
+        for frame in range(len(frames)):
+            picture = np.ascontiguousarray(draw_overlay(frames[frame], Droplets.empty()))
+            draw(picture, results, frame)
+            film.write(picture[..., ::-1])
+            if frame % every == 0:
+                cv2.imwrite(str(out / f"frame_{frame:05d}.png"), picture[..., ::-1])
+        film.release()
+
+
 def main() -> None:
-    """One PNG for every so many frames."""
+    """The film, and one PNG for every so many frames."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("frames", type=Path)
     parser.add_argument("results", type=Path)
     parser.add_argument("out", type=Path)
     parser.add_argument("--every", type=int, default=10)
     given = parser.parse_args()
-    given.out.mkdir(parents=True, exist_ok=True)
-    with open_frames(given.frames, Choice.of(_experiment(given.results))) as frames:
-        for frame in range(0, len(frames), given.every):
-            picture = np.ascontiguousarray(draw_overlay(frames[frame], Droplets.empty()))
-            draw(picture, given.results, frame)
-            cv2.imwrite(str(given.out / f"frame_{frame:05d}.png"), picture[..., ::-1])
+    draw_film(given.frames, given.results, given.out, every=given.every)
 
 
 if __name__ == "__main__":

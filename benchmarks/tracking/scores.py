@@ -3,8 +3,11 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 import pyarrow as pa
+import pyarrow.compute as pc
 import pyarrow.parquet as pq
+from scipy.interpolate import RegularGridInterpolator
 
 from benchmarks.tracking import peers
 from benchmarks.tracking.given import Given
@@ -22,6 +25,7 @@ from dropflow.scoring import (
     score_links,
     score_size_distribution,
 )
+from dropflow.simulation.truth import Visibility
 from dropflow.tracking.film import Film
 from dropflow.tracking.track import track_film
 
@@ -87,6 +91,23 @@ def dropflow_scores(
     return score(given, pq.read_table(result.trajectories), result.flow)
 
 
+def error_at_droplets(given: Given, results: Path) -> float:
+    """Error of the flow over its rms where visible droplets are, whose fluid velocity is known exactly."""
+    steps = read_flow(results / "flow.zarr")
+    truth = given.truth.filter(pc.field("visibility") == str(Visibility.VISIBLE))
+    frame, x, y, u, v = (truth[name].to_numpy() for name in ("frame", "x_px", "y_px", "flow_u_um_s", "flow_v_um_s"))
+    interpolate = RegularGridInterpolator(
+        (np.arange(len(steps.velocity_um_s)), steps.grid_y_px, steps.grid_x_px),
+        np.moveaxis(steps.velocity_um_s, 1, -1),
+        bounds_error=False,
+        fill_value=None,
+    )
+    is_step = frame < len(steps.velocity_um_s)
+    found = interpolate(np.column_stack([frame, y, x])[is_step])
+    true = np.column_stack([u, v])[is_step]
+    return float(np.sqrt(np.square(found - true).mean() / np.square(true).mean()))
+
+
 def peer_scores(given: Given, link: peers.Linker) -> tuple[str, Scores] | None:
     """With the search range that is best by the truth, and that range; None if it can do none."""
     best: tuple[str, Scores] | None = None
@@ -109,6 +130,6 @@ def print_peers(given: Given, name: str) -> None:
     for label, link in (("trackpy", peers.trackpy_velocity), ("laptrack", peers.laptrack_nearest)):
         best = peer_scores(given, link)
         if best is None:
-            print(f"{name:<22} {label:<26} SubnetOversize with every search range")
+            print(f"{name:<22} {label:<26} gives up or stalls with every search range", flush=True)
         else:
             print(best[1].row(name, f"{label}, {best[0]}"), flush=True)

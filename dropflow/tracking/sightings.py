@@ -75,7 +75,7 @@ class Sightings:
 
     def _radius(self, direction: int) -> tuple[Column, Column]:
         n = len(self.frame)
-        total, squares, count = np.zeros((3, n))
+        total, squares, of_r, count = np.zeros((4, n))
         for away in range(N_AVERAGED):
             other = np.arange(n) + direction * away
             is_there = (other >= 0) & (other < n)
@@ -83,9 +83,13 @@ class Sightings:
             is_there &= self.trajectory_id[other] == self.trajectory_id
             total += np.where(is_there, self.r_px[other], 0.0)
             squares += np.where(is_there, self.r_std_px[other] ** 2, 0.0)
+            of_r += np.where(is_there, self.r_px[other] ** 2, 0.0)
             count += is_there
         mean = total / np.maximum(count, 1)
-        return mean, np.sqrt(squares / np.maximum(count, 1) ** 2 + (_RADIUS_MODEL_STD * mean) ** 2)
+        # Radii that scatter by more than their errors, as those of a bubble that wobbles, are known that much worse.
+        scatter = np.maximum(of_r - count * mean**2, 0.0) / np.maximum(count - 1, 1)
+        variance = np.maximum(squares / np.maximum(count, 1), scatter) / np.maximum(count, 1)
+        return mean, np.sqrt(variance + (_RADIUS_MODEL_STD * mean) ** 2)
 
     def covers(self, rows: Indices, x_px: Column, y_px: Column, r_px: Column) -> npt.NDArray[np.bool_]:
         """Whether the centre of each given droplet lies in a larger one of `rows`."""
