@@ -3,7 +3,7 @@
 import numpy as np
 import plotly.graph_objects as go
 
-from dropflow.figures.layout import BLUE, new_figure, say_empty
+from dropflow.figures.layout import BLUE, new_figure, say_empty, with_error
 from dropflow.statistics.flow_correlation import FlowCorrelation
 
 
@@ -34,14 +34,13 @@ def flow_correlation(found: FlowCorrelation, *, title: str = "Correlation of the
         (found.time_s, found.time_std_s, "x2", "s"),
     ):
         if np.isfinite(value):
-            error = f" ± {std:.2g}" if np.isfinite(std) else ""
             figure.add_vline(x=value, line={"color": "#999", "dash": "dash"}, col=None, xref=axis_id)
             figure.add_annotation(
                 x=value,
                 y=0.97,
                 xref=axis_id,
                 yref="paper",
-                text=f"{value:.3g}{error} {unit}",
+                text=with_error(value, std, unit),
                 showarrow=False,
                 xanchor="left",
                 xshift=4,

@@ -95,7 +95,11 @@ def stacked_axes(figure: go.Figure, titles: Sequence[str]) -> go.Figure:
 
 
 def say_empty(figure: go.Figure, what: str) -> go.Figure:
-    """Write across an empty figure why nothing is drawn."""
+    """Write across an empty figure why nothing is drawn; axes without data have no numbers."""
+    for axis in figure.select_xaxes():
+        axis.showticklabels = axis.range is not None
+    for axis in figure.select_yaxes():
+        axis.showticklabels = axis.range is not None
     figure.add_annotation(text=what, x=0.5, y=0.5, xref="paper", yref="paper", showarrow=False, font={"size": 16})
     return figure
 
