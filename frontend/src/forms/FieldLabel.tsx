@@ -16,7 +16,11 @@ export function Label({ field }: { field: Field }) {
 /** What a field means, what the paper takes for it, and what it may be. */
 export function Help({ field }: { field: Field }) {
   const { paper, input } = field;
-  const range = input.kind === "number" ? rangeInWords(input.range) : "";
+  // Bounds that only keep nonsense out would say little beside what a person measured.
+  const isKnob =
+    input.kind === "number" &&
+    (paper || (input.range.minimum !== undefined && input.range.maximum !== undefined));
+  const range = isKnob ? rangeInWords(input.range) : "";
   if (!field.help && !paper && !range) return null;
   return (
     <>
