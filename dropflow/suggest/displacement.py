@@ -71,5 +71,7 @@ def _commonest(before: Droplets, after: Droplets, reach_px: float) -> float | No
     by_chance = float(votes.mean()) * _AROUND_BINS**2
     if agreeing[peak] - by_chance < max(_LEAST_SHARE * len(before), _CLEAR * sqrt(by_chance)):
         return None
-    middles = (edges[:-1] + edges[1:]) / 2
-    return float(np.hypot(middles[peak[0]], middles[peak[1]]))
+    middles, near_px = (edges[:-1] + edges[1:]) / 2, _AROUND_BINS / 2 * (edges[1] - edges[0])
+    # Bins are several pixels wide: the median of those that agree tells more.
+    agree = is_pair & (np.abs(dx - middles[peak[0]]) < near_px) & (np.abs(dy - middles[peak[1]]) < near_px)
+    return float(np.hypot(np.median(dx[agree]), np.median(dy[agree])))

@@ -29,7 +29,7 @@ def moved(n, by, *, lost=0.2, seed=0):
 def test_a_common_displacement_is_measured(distance, seed):
     before, after = moved(400, lambda x, y: (0.6 * distance + 0 * x, -0.8 * distance + 0 * y), seed=seed)
     found = displacement(before, after, SHAPE)
-    assert found.typical_px == pytest.approx(distance, abs=5)
+    assert found.typical_px == pytest.approx(distance, abs=0.5)
     assert found.spacing_px == pytest.approx(np.sqrt(1.2e6 / 400))
 
 
