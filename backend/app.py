@@ -57,6 +57,7 @@ from backend.stacks.endpoints import router as stacks
 from backend.stacks.images import OpenStacks
 from backend.tokens.endpoints import router as tokens
 from backend.trajectories.endpoints import router as trajectories
+from backend.trash.endpoints import router as trash
 from backend.uploads.endpoints import router as uploads
 from backend.uploads.intake import Intakes
 from backend.webhooks.endpoints import router as webhooks
@@ -107,7 +108,7 @@ def bare_app(lifespan: Lifespan[FastAPI] | None = None) -> FastAPI:
     )
     api = APIRouter(prefix=API, dependencies=[Depends(check_media)])
     lab = (session_router, account_router, people_router, groups, invitations_router, webhooks, tokens, shares)
-    films = (experiments, stacks, imports, uploads, runs, results, trajectories, flow, quality, comparisons)
+    films = (experiments, stacks, imports, trash, uploads, runs, results, trajectories, flow, quality, comparisons)
     aids = (planning, presets, previews, detections)
     for router in (health, forms, *lab, administration, *films, *aids):
         api.include_router(router)

@@ -54,7 +54,7 @@ def upload_mb_s(running: RunningService, content: bytes, request_bytes: int) -> 
         took_s = time.perf_counter() - started
         (file,) = api.get(f"experiments/{experiment}/files").json()["items"]
         assert file["size_bytes"] == len(content)
-        api.delete(f"experiments/{experiment}")
+        api.delete(f"experiments/{experiment}", params={"forever": True})
     return len(content) / MEGABYTE / took_s
 
 

@@ -23,7 +23,7 @@ from dropflow.detections import write_droplets
 from dropflow.errors import DropflowError, ExperimentError, FieldProblem
 from dropflow.experiment import Experiment
 from dropflow.frames import Choice, Frame, open_frames, open_image
-from dropflow.ingest import StackIndex, index_stack
+from dropflow.ingest import StackIndex, check_frames, index_stack
 from dropflow.parameters import Parameters
 from dropflow.physics.over_time import material_over_time
 from dropflow.preprocess import StackEstimate
@@ -46,6 +46,11 @@ class Film:
     """The file that the experiment names."""
 
     @property
+    def choice(self) -> Choice:
+        """Which images are its frames."""
+        return Choice.of(self.experiment, self.index.broken_frames)
+
+    @property
     def key(self) -> str:
         """Address of everything made from this film."""
         return content_key(
@@ -63,7 +68,12 @@ def open_film(
         index = index_stack(source, experiment, attachments=attachments, progress=progress)
     material_over_time(experiment, index.n_frames, index.temperatures_c)  # what is wrong with it, before hours of work
     flat_field = flat_field_beside(experiment, beside)
-    with open_frames(source, Choice.of(experiment)) as frames:
+    if experiment.max_failed_frame_share > 0:
+        with open_frames(source, Choice.of(experiment)) as frames:
+            index = index.checked(
+                check_frames(frames, progress=progress, max_share_broken=experiment.max_failed_frame_share)
+            )
+    with open_frames(source, Choice.of(experiment, index.broken_frames)) as frames:
         measured = pipeline.estimate(frames, experiment, parameters, flat_field=flat_field)
     return Film(source, experiment, parameters, index, measured, paths.get("temperature_log"))
 
@@ -85,7 +95,7 @@ def analyse(film: Film, output: Path, *, n_processes: int, progress: Progress = 
     """Run every stage and leave `dropflow.pipeline.RESULT_FILES` in the folder `output`."""
     with _work_folder(output, f"analyse-{film.key[:16]}") as work:
         _detect_into(film, work, n_processes, progress)
-        with open_frames(film.source, Choice.of(film.experiment)) as frames:
+        with open_frames(film.source, film.choice) as frames:
             pipeline.track_film(
                 frames,
                 film.index,
@@ -176,7 +186,7 @@ def _take_part(film: Film) -> None:
 def _detect_shard(given: Film | None, start: int, path: Path) -> None:
     film = given or _film_of_this_process
     assert film is not None  # noqa: S101 - `_take_part` ran before any task of this process
-    with open_frames(film.source, Choice.of(film.experiment)) as frames:
+    with open_frames(film.source, film.choice) as frames:
         stop = _stop(film, start)
         table: pa.Table = pipeline.detect_range(
             frames, film.index, film.experiment, film.parameters, film.measured, start=start, stop=stop

@@ -87,6 +87,9 @@ class Experiment(StrictModel):
     """What the file calls z-planes are the frames of the film."""
     position: Annotated[int, Field(ge=0)] | None = None
     """Which position of the stage, or image of a set, is the film, counted from 0."""
+    max_failed_frame_share: Annotated[float, Field(ge=0, lt=1)] = 0.0
+    """Up to this share of the frames may be unreadable: they are left out as gaps in time, and results say so. With 0 a
+    single one is an error."""
     recorded_at: datetime | None = None
     """When the film began."""
     notes: Annotated[str, Field(max_length=20_000)] = ""

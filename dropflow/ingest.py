@@ -1,6 +1,7 @@
 """Stage ingest: what a stack consists of, when each frame was taken, what is odd about it, and checksums of all."""
 
 import hashlib
+import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import BinaryIO
@@ -37,10 +38,18 @@ class FrameCheck(StrictModel):
     """Frames that cannot be read."""
 
 
+class BrokenFramesError(FramesError):
+    """Some frames cannot be read, and more than may be missing."""
+
+    is_most: bool = False
+    """That of most frames: then these are other files than was meant."""
+
+
 class StackIndex(StrictModel):
     """All that later stages need to know of a stack without opening it."""
 
     n_frames: int
+    """Those that can be read."""
     n_rows: int
     n_columns: int
     dtype: str
@@ -53,7 +62,7 @@ class StackIndex(StrictModel):
     warnings: tuple[Finding, ...] = ()
     """What is odd but no error."""
     broken_frames: tuple[int, ...] = ()
-    """Frames that cannot be read, if the check was told to let some pass."""
+    """Frames that cannot be read and are left out, counted as in the files (as `gaps` are); all else counts without."""
     files: tuple[StackFile, ...]
     """In the order of the frames."""
     attachments: tuple[StackFile, ...] = ()
@@ -67,9 +76,17 @@ class StackIndex(StrictModel):
         return (self.n_rows, self.n_columns)
 
     def checked(self, check: FrameCheck) -> "StackIndex":
-        """The same with what reading every frame has shown."""
+        """The same with what reading every frame has shown, without the frames that are broken: gaps in time."""
+        kept = np.delete(np.arange(self.n_frames), check.broken_frames)
+        temperatures_c = self.temperatures_c
         return self.model_copy(
-            update={"warnings": self.warnings + check.warnings, "broken_frames": check.broken_frames}
+            update={
+                "warnings": self.warnings + check.warnings,
+                "broken_frames": check.broken_frames,
+                "n_frames": len(kept),
+                "times_s": tuple(self.times_s[index] for index in kept),
+                "temperatures_c": temperatures_c and tuple(temperatures_c[index] for index in kept),
+            }
         )
 
     def timed(self, experiment: Experiment, temperature_log: BinaryIO | None = None) -> "StackIndex":
@@ -79,9 +96,24 @@ class StackIndex(StrictModel):
         """
         if experiment.frame_interval_s is None:
             return self
-        times_s = frame_times_s(experiment, self.n_frames, gaps=self.gaps)
+        n_in_files = self.n_frames + len(self.broken_frames)
+        times_s = np.delete(frame_times_s(experiment, n_in_files, gaps=self.gaps), self.broken_frames)
         temperatures_c = _temperatures_c(temperature_log, times_s)
         return self.model_copy(update={"times_s": tuple(times_s.tolist()), "temperatures_c": temperatures_c})
+
+
+def missing_warning(index: StackIndex) -> list[dict[str, str]]:
+    """What results say of frames that could not be read."""
+    broken = index.broken_frames
+    if not broken:
+        return []
+    n_in_files = index.n_frames + len(broken)
+    which = ", ".join([*map(str, broken[:5]), *(["..."] if len(broken) > 5 else [])])
+    message = (
+        f"{len(broken)} of {n_in_files} frames ({100 * len(broken) / n_in_files:.2g} %) could not be read and are left "
+        f"out, as gaps in time (counted in the files from 0: {which}). Frames are counted without them."
+    )
+    return [{"code": "frames.missing", "message": message}]
 
 
 def index_stack(
@@ -175,6 +207,8 @@ def check_frames(frames: Frames, progress: Progress = silent, *, max_share_broke
         progress("ingest", index + 1, len(frames))
     if len(broken) > max_share_broken * len(frames):
         raise _first_of(broken, len(frames))
+    if len(broken) == len(frames):
+        raise broken[0][1]
     warnings = [
         _noticed(
             "stack.frames_broken", "{n} frames cannot be read and are left out.", [at for at, _ in broken], frames
@@ -199,11 +233,18 @@ def _noticed(code: str, message: str, which: Sequence[int], frames: Frames) -> F
 
 def _first_of(broken: Sequence[tuple[int, FramesError]], n_frames: int) -> FramesError:
     first = broken[0][1]
-    if len(broken) == 1:
-        return first
-    others = ", ".join([*(str(index) for index, _ in broken[1:6]), *(["..."] if len(broken) > 6 else [])])
-    message = f"{first.message} {len(broken)} of {n_frames} frames are broken (also {others})."
-    return FramesError(message, code=first.code, file=first.file, frame=first.frame, hint=first.hint)
+    message = first.message
+    if len(broken) > 1:
+        others = ", ".join([*(str(index) for index, _ in broken[1:6]), *(["..."] if len(broken) > 6 else [])])
+        message = f"{message} {len(broken)} of {n_frames} frames are broken (also {others})."
+    share = math.ceil(1000 * len(broken) / n_frames) / 1000
+    go_on = f"To go on without them, set max_failed_frame_share to {share:g} or more in the experiment."
+    hints = [hint for hint in (first.hint, go_on if 2 * len(broken) < n_frames else None) if hint]
+    error = BrokenFramesError(
+        message, code=first.code, file=first.file, frame=broken[0][0], hint=" ".join(hints) if hints else None
+    )
+    error.is_most = 2 * len(broken) >= n_frames
+    return error
 
 
 def _numbered(names: Sequence[str], n_frames: int, experiment: Experiment) -> Numbering:

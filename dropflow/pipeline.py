@@ -19,7 +19,7 @@ from dropflow.detections import DropletReader
 from dropflow.experiment import Experiment
 from dropflow.figures.example import EXAMPLE_FILE, Example, make_example
 from dropflow.frames import Frame, Frames
-from dropflow.ingest import StackIndex
+from dropflow.ingest import StackIndex, missing_warning
 from dropflow.parameters import Parameters
 from dropflow.preprocess import StackEstimate, estimate_stack
 from dropflow.progress import Progress, silent
@@ -151,7 +151,8 @@ def analyse_film(
     summary = {
         **summarise(tables, index, experiment, findings.material),
         "statistics": statistics_of(findings),
-        "warnings": warnings_of(measured),
+        "missing_frames": list(index.broken_frames),
+        "warnings": [*warnings_of(measured), *missing_warning(index)],
         "provenance": facts.provenance,
     }
     unfinished = folder / f"{SUMMARY_FILE}.part"

@@ -26,6 +26,7 @@ def provenance(experiment: Experiment, parameters: Parameters, index: StackIndex
         "input_sha256": index.sha256,
         "attachments_sha256": {file.name: file.sha256 for file in index.attachments},
         "n_frames": index.n_frames,
+        "missing_frames": list(index.broken_frames),
         "units": UNITS,
     }
 

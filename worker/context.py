@@ -27,6 +27,11 @@ class Context:
     """Who holds what this process claims: machine, main process, this process."""
     engine: Engine
 
+    @property
+    def machine(self) -> str:
+        """Where this process runs, and the folder that it works in is."""
+        return self.holder.partition(":")[0]
+
     def close(self) -> None:
         """Let go of database and broker."""
         self.queue.close()

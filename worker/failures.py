@@ -18,13 +18,13 @@ _OURS = "run."
 """Codes of faults that are not the frames' own."""
 
 
-def fail(context: Context, claim: Claim, problem: Problem) -> None:
+def fail(context: Context, claim: Claim, problem: Problem, *, keeps_files: bool = False) -> None:
     """End a shard for good, with the cause. Raises `LeaseLost` if it is not ours any more."""
     with context.sessions.begin() as session:
         if claim.run_id is None:
             experiment = lock_experiment(session, claim.experiment_id)
             end_shard(session, claim, "fail")
-            reject_stack(session, experiment, problem)
+            reject_stack(session, experiment, problem, keeps_files=keeps_files)
         else:
             run = lock_run(session, claim.run_id)
             end_shard(session, claim, "fail")
@@ -32,11 +32,14 @@ def fail(context: Context, claim: Claim, problem: Problem) -> None:
             announce(session, run_topic(run.id), experiment_topic(run.experiment_id))
 
 
-def reject_stack(session: Session, experiment: Experiment, problem: Problem) -> None:
-    """Say why a stack cannot be used and remove its files, unless the fault is ours: then they can be indexed again."""
+def reject_stack(session: Session, experiment: Experiment, problem: Problem, *, keeps_files: bool = False) -> None:
+    """Say why a stack cannot be used and remove its files.
+
+    They stay where they can be indexed again: the fault is ours, or a few frames are broken, which may be left out.
+    """
     experiment.stack.state = rule(STACK_RULES, "reject").target
     experiment.stack.problem = problem.model_dump()
-    if not problem.code.startswith(_OURS):
+    if not keeps_files and not problem.code.startswith(_OURS):
         remove_files(session, experiment.id)
     announce(session, experiment_topic(experiment.id))
 

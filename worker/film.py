@@ -37,12 +37,14 @@ class Film:
     files: dict[str, dict[str, Place]]
     """Where each uploaded file is kept, by name, by role."""
     store: ObjectStore
+    left_out: tuple[int, ...]
+    """Frames that cannot be read."""
 
     @contextmanager
     def frames(self) -> Iterator[Frames]:
         """The stack, open."""
         source = StoreFiles(self.store, self.files[FRAMES_ROLE])
-        with open_frames(source, Choice.of(self.experiment)) as frames:
+        with open_frames(source, Choice.of(self.experiment, self.left_out)) as frames:
             yield frames
 
 
@@ -58,17 +60,13 @@ def load_film(context: Context, claim: Claim) -> tuple[Film, StackIndex]:
     """The film of a claim's run, and the index as the upload left it."""
     with context.sessions.begin() as session:
         run = _run(session, claim)
-        film = Film(
-            run.id,
-            parse_experiment(run.document),
-            parse_parameters(run.parameters),
-            uploaded_files(session, claim.experiment_id),
-            context.store,
-        )
+        files = uploaded_files(session, claim.experiment_id)
         index_key = session.scalar(select(Stack.index_key).where(Stack.experiment_id == claim.experiment_id))
     if index_key is None:
         raise LeaseLost
-    return film, StackIndex.model_validate_json(context.store.read(index_key))
+    index = StackIndex.model_validate_json(context.store.read(index_key))
+    experiment, parameters = parse_experiment(run.document), parse_parameters(run.parameters)
+    return Film(run.id, experiment, parameters, files, context.store, index.broken_frames), index
 
 
 def load_prepared(context: Context, claim: Claim) -> PreparedFilm:
@@ -77,13 +75,15 @@ def load_prepared(context: Context, claim: Claim) -> PreparedFilm:
         run = _run(session, claim)
         files = uploaded_files(session, claim.experiment_id)
         prefix = prefixes(session, run.id, Task.PREPARE)[0]
+    index = StackIndex.model_validate_json(context.store.read(prefix + INDEX_FILE))
     return PreparedFilm(
         run.id,
         parse_experiment(run.document),
         parse_parameters(run.parameters),
         files,
         context.store,
-        StackIndex.model_validate_json(context.store.read(prefix + INDEX_FILE)),
+        index.broken_frames,
+        index,
         StackEstimate.load(io.BytesIO(context.store.read(prefix + ESTIMATE_FILE))),
     )
 

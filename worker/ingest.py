@@ -50,7 +50,7 @@ def _index(context: Context, lease: Lease) -> StackIndex:
         }
         index = index_stack(source, experiment, attachments=attachments, checksums=checksums, progress=lease.alive)
         frames = opened.enter_context(open_frames(source, Choice.of(experiment)))
-        return index.checked(check_frames(frames, progress=lease))
+        return index.checked(check_frames(frames, progress=lease, max_share_broken=experiment.max_failed_frame_share))
 
 
 def _checksums(session: Session, experiment_id: UUID) -> dict[str, str]:
@@ -64,4 +64,5 @@ def _accept(experiment: Experiment, index: StackIndex, index_key: str) -> None:
     stack.n_frames, stack.rows, stack.columns, stack.dtype = index.n_frames, index.n_rows, index.n_columns, index.dtype
     stack.duration_s = index.times_s[-1] - index.times_s[0]
     stack.warnings = [str(warning) for warning in index.warnings]
+    stack.broken_frames = list(index.broken_frames)
     stack.checksum, stack.index_key = index.sha256, index_key

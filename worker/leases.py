@@ -74,6 +74,8 @@ def claim(session: Session, which: UUID | ScalarSelect[UUID], *, holder: str, le
             fence=Shard.fence + 1,
             attempts=Shard.attempts + 1,
             holder=holder,
+            kept_on=None,
+            kept_until=None,
             lease_until=_in(lease_s),
             done_frames=0,
             n_paces=0,

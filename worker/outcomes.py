@@ -6,6 +6,7 @@ and begins what follows. Messages go out after the commit.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from datetime import timedelta
 from typing import Any
 from uuid import UUID
 
@@ -21,6 +22,9 @@ from worker.context import Context
 from worker.fan_in import NewShard, advance, insert_shards, start_stage
 from worker.leases import Claim, LeaseLost, held, release
 from worker.plan import Task
+
+KEPT_S = 1800.0
+"""So long a shard that gave way waits for the machine where its state is; then any may begin it anew."""
 
 
 @dataclass(frozen=True)
@@ -94,6 +98,25 @@ def give_back(context: Context, claim: Claim) -> None:
     """Something that the work needs was away: somebody goes on, when the reconciler next asks."""
     with context.sessions.begin() as session:
         release(session, *held(claim), values={"sent_at": None})
+
+
+def give_way(context: Context, claim: Claim) -> None:
+    """Somebody else waits: the shard goes to the end of the row, and stays with the machine that has its state."""
+    kept_until = func.clock_timestamp() + timedelta(seconds=KEPT_S)
+    with context.sessions.begin() as session:
+        release(
+            session,
+            *held(claim),
+            values={
+                "sent_at": None,
+                "attempts": func.greatest(Shard.attempts - 1, 0),
+                "done_frames": Shard.done_frames,
+                "started_at": func.clock_timestamp(),  # its person was served until now
+                "kept_on": context.machine,
+                "kept_until": kept_until,
+            },
+        )
+    context.queue.wake(claim.task)
 
 
 def give_back_after_error(context: Context, claim: Claim) -> None:

@@ -10,7 +10,7 @@ from backend.platform.object_store import product_prefix
 from backend.platform.store_files import StoreFiles
 from dropflow import pipeline
 from dropflow.frames import Frame, open_frames
-from dropflow.ingest import StackIndex
+from dropflow.ingest import StackIndex, missing_warning
 from dropflow.physics.over_time import material_over_time
 from dropflow.preprocess import StackEstimate
 from dropflow.preprocess.estimate import ESTIMATE_FILE
@@ -37,7 +37,8 @@ def work(context: Context, lease: Lease) -> None:
     context.store.put(prefix + ESTIMATE_FILE, _packed(measured))
     detection = detection_key(index, film.experiment, film.parameters)
     with context.sessions.begin() as session:
-        session.execute(update(Run).where(Run.id == film.run_id).values(source_digest=source_digest()))
+        said = [warning["message"] for warning in missing_warning(index)]
+        session.execute(update(Run).where(Run.id == film.run_id).values(source_digest=source_digest(), warnings=said))
         seconds = known_seconds_per_megapixel(session, film.parameters) * index.n_rows * index.n_columns / 1e6
         done = made_ranges(session, claim.experiment_id, detection)
     shards = [

@@ -106,7 +106,7 @@ class Films:
             if flat_files:
                 with open_frames(StoreFiles(context.store, flat_files)) as flat:
                     flat_field = flat[0]
-            return Film(experiment, index, open_frames(source, Choice.of(experiment)), flat_field)
+            return Film(experiment, index, open_frames(source, Choice.of(experiment, index.broken_frames)), flat_field)
 
         return self._kept.get((experiment_id, checksum, experiment.model_dump_json()), open_film)
 

@@ -14,9 +14,11 @@ from backend.platform.problems import problem_of
 from backend.platform.queue import QUEUE_OF_TASK
 from backend.platform.tracing import span, went_wrong
 from dropflow.errors import Cancelled, DropflowError
+from dropflow.ingest import BrokenFramesError
 from worker import analyse, detect, imports, ingest, outcomes, prepare, track
 from worker.context import Context
 from worker.failures import cause_of, fail
+from worker.giving_way import GaveWay
 from worker.heartbeat import at_work
 from worker.leases import MAX_ERRORS, Claim, Lease, LeaseLost, claim
 from worker.outcomes import is_published
@@ -37,7 +39,8 @@ log = structlog.get_logger()
 
 def look_in(context: Context, queue: str) -> None:
     """Do the shard whose turn it is in a queue, if there is one."""
-    look_at(context, whose_turn([Task(task) for task, its_queue in QUEUE_OF_TASK.items() if its_queue == queue]))
+    tasks = [Task(task) for task, its_queue in QUEUE_OF_TASK.items() if its_queue == queue]
+    look_at(context, whose_turn(tasks, context.machine))
 
 
 def look_at(context: Context, which: UUID | ScalarSelect[UUID]) -> None:
@@ -74,6 +77,9 @@ def _do(context: Context, taken: Claim) -> None:
                 WORK[Task(taken.task)](context, lease)
     except LeaseLost:
         raise
+    except GaveWay:
+        log.info("gave way")
+        outcomes.give_way(context, taken)
     except Cancelled:
         _remove_output(context, taken)
         outcomes.let_go(context, taken)
@@ -81,7 +87,8 @@ def _do(context: Context, taken: Claim) -> None:
         went_wrong(error)
         log.info("shard failed", code=error.code, reason=str(error))
         _remove_output(context, taken)
-        fail(context, taken, problem_of(error))
+        keeps_files = isinstance(error, BrokenFramesError) and not error.is_most
+        fail(context, taken, problem_of(error), keeps_files=keeps_files)
     except OperationalError as problem:
         went_wrong(problem)
         log.warning("broken off", reason=str(problem).splitlines()[0])

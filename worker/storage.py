@@ -17,6 +17,7 @@ from backend.models.states import OPEN_SHARD_STATES
 from backend.platform.events import announce, experiment_topic
 from backend.platform.holding import KEEP_OBJECTS
 from worker.context import Context
+from worker.retention import retain
 
 SWEEP_EVERY_S = 3600.0
 _AT_ONCE = 500
@@ -47,6 +48,7 @@ class Sweeper:
     def __call__(self, context: Context) -> None:
         if time.monotonic() >= self._next_s:
             self._next_s = time.monotonic() + self._every_s
+            retain(context)
             sweep_orphans(context)
 
 

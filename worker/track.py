@@ -23,6 +23,7 @@ from worker.context import Context
 from worker.detect import DROPLETS_FILE, count
 from worker.downloadable import described, pieces_of
 from worker.film import PreparedFilm, load_prepared, prefixes
+from worker.giving_way import Turn
 from worker.leases import Lease
 from worker.outcomes import NewProduct, publish
 from worker.plan import Task
@@ -30,6 +31,8 @@ from worker.work_folders import work_folder
 
 TABLES = ("droplets.parquet", "trajectories.parquet", "rejected_trajectories.parquet", "events.parquet")
 FLOW = "flow.zarr"
+CHECKPOINT = "tracking/checkpoint.npz"
+"""Where tracking saves its state in the folder that it is given."""
 _PARQUET = "application/vnd.apache.parquet"
 
 
@@ -51,7 +54,7 @@ def work(context: Context, lease: Lease) -> None:
                 film.measured,
                 droplets=folder / DROPLETS_FILE,
                 folder=folder,
-                progress=lease,
+                progress=Turn(context, lease, folder / CHECKPOINT),
             )
         sizes = pack(_count_tracked(film, folder / "trajectories.parquet"))
         flow = pack(flow_moments(folder / FLOW, film.experiment.up))

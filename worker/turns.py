@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from typing import Any
 from uuid import UUID
 
-from sqlalchemy import CTE, ColumnElement, ScalarSelect, case, func, select, true
+from sqlalchemy import CTE, ColumnElement, ScalarSelect, case, func, or_, select, true
 from sqlalchemy.orm import aliased
 from sqlalchemy.sql import Select
 
@@ -20,9 +20,10 @@ from worker.leases import MAX_ATTEMPTS
 from worker.plan import Task
 
 
-def whose_turn(tasks: Sequence[Task]) -> ScalarSelect[UUID]:
-    """The shard of one of `tasks` to be done next, locked: others who ask at the same time get the one after."""
-    waiting = (Shard.state == ShardState.QUEUED, Shard.task.in_(tasks), Shard.attempts < MAX_ATTEMPTS)
+def whose_turn(tasks: Sequence[Task], machine: str = "") -> ScalarSelect[UUID]:
+    """The shard of one of `tasks` to be done next on a machine, locked: others who ask meanwhile get the one after."""
+    is_free = or_(Shard.kept_until.is_(None), Shard.kept_on == machine, Shard.kept_until < func.clock_timestamp())
+    waiting = (Shard.state == ShardState.QUEUED, Shard.task.in_(tasks), Shard.attempts < MAX_ATTEMPTS, is_free)
     # COALESCE does not look for the second where there is the first.
     return select(func.coalesce(_of_runs(*waiting), _of_no_run(*waiting))).scalar_subquery()
 

@@ -98,9 +98,15 @@ def experiments_move(
     status_code=HTTPStatus.NO_CONTENT,
     responses=responses(NoSuchExperiment, RunActive, InvalidRequest),
 )
-def experiments_delete(session: SessionDependency, viewer: EditorDependency, experiment_id: UUID) -> None:
-    """Remove an experiment with its frames, runs and results."""
-    service.delete(session, viewer, experiment_id)
+def experiments_delete(
+    session: SessionDependency,
+    platform: PlatformDependency,
+    viewer: EditorDependency,
+    experiment_id: UUID,
+    forever: Annotated[bool, Query(description="Remove it for good, past the trash.")] = False,
+) -> None:
+    """Put an experiment into the trash, with its frames, runs and results."""
+    service.delete(session, platform, viewer, experiment_id, is_forever=forever)
 
 
 async def _existing_experiment(platform: PlatformDependency, viewer: ViewerDependency, experiment_id: UUID) -> UUID:

@@ -27,6 +27,13 @@ EXAMPLE_DOCUMENT: JsonDict = {
 }
 
 
+class Confirmation(BaseModel):
+    """A person has said that order, times and scale of the frames are right as they are now."""
+
+    by: str
+    at: datetime
+
+
 class Importing(BaseModel):
     """How far an import is."""
 
@@ -62,6 +69,9 @@ class Stack(BaseModel):
     """While `indexing`: how far the files are that are imported first."""
     problem: Problem | None
     warnings: list[str]
+    broken_frames: list[int]
+    """Those of the files that cannot be read and are left out."""
+    confirmation: Confirmation | None
 
 
 class RunSummary(BaseModel):

@@ -11,16 +11,17 @@ from backend.experiments.errors import DescribesFiles, NoSuchExperiment, RunActi
 from backend.groups import quotas
 from backend.groups.schemas import Group
 from backend.groups.service import group_for_new
-from backend.models import DoomedObject, Experiment, Import, Run, Stack
+from backend.models import Experiment, Import, Run, Stack
 from backend.models.states import StackState
 from backend.platform.audit import tell
+from backend.platform.confirmed import facts_of
 from backend.platform.dependencies import Platform
 from backend.platform.entity_tags import check_unchanged
 from backend.platform.events import announce, experiment_topic
-from backend.platform.object_store import experiment_prefix
 from backend.platform.problems import Problem
 from backend.platform.settings import Settings
 from backend.platform.texts import unstorable
+from backend.platform.trash import bytes_of_experiment, remove_experiment, throw_away
 from backend.platform.visibility import MayNot, Viewer
 from backend.runs import repository as runs_repository
 from backend.runs.progress import shown_stages
@@ -83,7 +84,7 @@ def change(
     check_unchanged(if_match, experiment.document)
     if experiment.stack.state == StackState.INDEXING:
         raise StackIndexing
-    _refuse_during_run(session, experiment, "changed")
+    refuse_during_run(session, experiment, "changed")
     if experiment.stack.state == StackState.READY:
         _correct(experiment.stack, parse_experiment(experiment.document), parsed)
     experiment.document = parsed.model_dump(mode="json")
@@ -93,13 +94,17 @@ def change(
     return experiment
 
 
-def delete(session: Session, viewer: Viewer, experiment_id: UUID) -> None:
-    """Remove an experiment with its frames, runs and results."""
+def delete(
+    session: Session, platform: Platform, viewer: Viewer, experiment_id: UUID, *, is_forever: bool = False
+) -> None:
+    """Put an experiment with its frames, runs and results into the trash, or remove it for good."""
     experiment = get_locked(session, viewer, experiment_id)
-    _refuse_during_run(session, experiment, "deleted")
-    session.add(DoomedObject(key=experiment_prefix(experiment.id)))
+    refuse_during_run(session, experiment, "deleted")
     tell(session, name=experiment.document["name"])
-    session.delete(experiment)
+    if is_forever:
+        remove_experiment(session, experiment)
+    else:
+        throw_away(session, viewer, experiment, bytes_of_experiment(platform.store, experiment))
     announce(session, experiment_topic(experiment.id))
 
 
@@ -145,7 +150,7 @@ def shown_as(session: Session, viewer: Viewer, experiments: Sequence[Experiment]
             created_at=experiment.created_at,
             updated_at=experiment.updated_at,
             stack=_shown_stack(
-                experiment.stack,
+                experiment,
                 files.get(experiment.id, (0, 0)),
                 indexed.get(experiment.id),
                 imports.get(experiment.id),
@@ -178,8 +183,9 @@ def _correct(stack: Stack, before: Document, after: Document) -> None:
 
 
 def _shown_stack(
-    stack: Stack, files: tuple[int, int], done_frames: int | None, importing: Import | None
+    experiment: Experiment, files: tuple[int, int], done_frames: int | None, importing: Import | None
 ) -> schemas.Stack:
+    stack = experiment.stack
     return schemas.Stack(
         state=stack.state,
         n_files=files[0],
@@ -194,7 +200,17 @@ def _shown_stack(
         importing=schemas.Importing.model_validate(importing) if importing else None,
         problem=Problem.model_validate(stack.problem) if stack.problem else None,
         warnings=stack.warnings,
+        broken_frames=stack.broken_frames,
+        confirmation=_shown_confirmation(experiment),
     )
+
+
+def _shown_confirmation(experiment: Experiment) -> schemas.Confirmation | None:
+    """Only of what is still as it was confirmed."""
+    stack = experiment.stack
+    if stack.confirmation is None or stack.confirmed_at is None or stack.confirmation["facts"] != facts_of(experiment):
+        return None
+    return schemas.Confirmation(by=stack.confirmation["by"], at=stack.confirmed_at)
 
 
 def _shown_run(run: Run, done: Mapping[tuple[UUID, str], Done]) -> schemas.RunSummary:
@@ -216,6 +232,7 @@ def _absent(session: Session, viewer: Viewer, experiment_id: UUID) -> NoReturn:
     raise NoSuchExperiment
 
 
-def _refuse_during_run(session: Session, experiment: Experiment, doing: str) -> None:
+def refuse_during_run(session: Session, experiment: Experiment, doing: str) -> None:
+    """Raise `RunActive` where workers need the experiment as it is."""
     if repository.has_active_run(session, experiment.id):
         raise RunActive(doing)

@@ -27,6 +27,7 @@ class Base(DeclarativeBase):
     type_annotation_map: ClassVar[dict[Any, Any]] = {
         datetime: DateTime(timezone=True),
         Json: JSONB(none_as_null=True),
+        list[int]: JSONB(none_as_null=True),
         list[str]: JSONB(none_as_null=True),
         list[Json]: JSONB(none_as_null=True),
     }

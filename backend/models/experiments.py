@@ -10,9 +10,10 @@ from sqlalchemy.orm import Mapped, mapped_column, relationship
 from backend.models.base import Base, Dated, Identified, Json, one_of
 from backend.models.people import Group
 from backend.models.states import StackState
+from backend.models.trashed import Trashed
 
 
-class Experiment(Identified, Dated, Base):
+class Experiment(Identified, Dated, Trashed, Base):
     """What was filmed. `document` is the content of experiment.yaml, validated by the library."""
 
     __tablename__ = "experiment"
@@ -28,7 +29,7 @@ class Experiment(Identified, Dated, Base):
     )
 
 
-class Stack(Base):
+class Stack(Trashed, Base):
     """The frames of an experiment: empty at first, then what the index found."""
 
     __tablename__ = "stack"
@@ -46,6 +47,12 @@ class Stack(Base):
     """Object with times and checksums of all frames."""
     problem: Mapped[Json | None]
     warnings: Mapped[list[str]] = mapped_column(default=list)
+    broken_frames: Mapped[list[int]] = mapped_column(default=list, server_default="[]")
+    """Those of the files that cannot be read and are left out."""
+    confirmed_at: Mapped[datetime | None]
+    """When a person said that order, times and scale are right."""
+    confirmation: Mapped[Json | None]
+    """`by` whom, and of which `facts`."""
 
     experiment: Mapped[Experiment] = relationship(back_populates="stack")
 

@@ -9,9 +9,10 @@ from sqlalchemy.orm import Mapped, mapped_column, relationship
 from backend.models.base import Base, Dated, Identified, Json, one_of
 from backend.models.experiments import Experiment
 from backend.models.states import RunState, ShardState, StageState
+from backend.models.trashed import Trashed
 
 
-class Run(Identified, Dated, Base):
+class Run(Identified, Dated, Trashed, Base):
     """One analysis of one experiment with one set of parameters."""
 
     __tablename__ = "run"
@@ -132,6 +133,10 @@ class Shard(Identified, Dated, Base):
     n_errors: Mapped[int] = mapped_column(default=0)
     """How often it met an error that nobody expected."""
     holder: Mapped[str | None] = mapped_column(String(200))
+    kept_on: Mapped[str | None] = mapped_column(String(200))
+    """The machine that has its state, after it gave way to others."""
+    kept_until: Mapped[datetime | None]
+    """So long no other machine takes it."""
     lease_until: Mapped[datetime | None]
     sent_at: Mapped[datetime | None]
     """When a message about it last went out."""

@@ -19,6 +19,7 @@ class StackState(StrEnum):
     INDEXING = "indexing"
     READY = "ready"
     REJECTED = "rejected"
+    EXPIRED = "expired"
 
 
 class RunState(StrEnum):
@@ -77,6 +78,8 @@ STACK_RULES = (
     ),
     Rule("accept", (StackState.INDEXING,), StackState.READY, "every frame can be read"),
     Rule("reject", (StackState.INDEXING,), StackState.REJECTED, "a frame cannot be used; its files are removed"),
+    Rule("expire", (StackState.READY,), StackState.EXPIRED, "its files went to the trash; results of its runs stay"),
+    Rule("restore", (StackState.EXPIRED,), StackState.READY, "they came back from there"),
     Rule("clear", tuple(StackState), StackState.EMPTY, "its files were removed"),
 )
 

@@ -44,7 +44,7 @@ class ImportRoot(BaseModel):
 
 
 class Settings(BaseSettings):
-    """Each field is an environment variable of the same name in capitals."""
+    """Each field is an environment variable of the same name in capitals; an empty one counts as absent."""
 
     model_config = SettingsConfigDict(frozen=True, extra="ignore", env_ignore_empty=True, use_attribute_docstrings=True)
 
@@ -121,6 +121,11 @@ class Settings(BaseSettings):
 
     upload_expires_s: Annotated[float, Field(ge=60)] = 7 * 86_400.0
     """How long an upload that broke off can be continued after its last byte."""
+
+    trash_keeps_s: Annotated[float, Field(ge=0)] | None = 30 * 86_400.0
+    """How long what was deleted stays in the trash before it is removed for good."""
+    frames_expire_s: Annotated[float, Field(ge=60)] | None = None
+    """So long after their last completed run, raw frames go to the trash; results stay. Without it, they stay, too."""
 
     orphan_grace_s: Annotated[float, Field(ge=0)] = 86_400.0
     """How old an object that no row speaks of must be before it is removed."""

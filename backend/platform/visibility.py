@@ -1,10 +1,12 @@
 """Who may see and do what, decided in one place and in the query: what is not visible is as if it were not there."""
 
 from dataclasses import dataclass, replace
+from datetime import datetime
 from http import HTTPStatus
 from uuid import UUID
 
 from sqlalchemy import ColumnElement, Select, func, or_, select
+from sqlalchemy.orm import InstrumentedAttribute
 
 from backend.models import Experiment, Group, Membership, Person, Right, Run, ShareLink
 from backend.models.people import at_least
@@ -58,21 +60,30 @@ def governed_groups(viewer: Viewer) -> Select[Group]:
     return select(Group).where(seen)
 
 
-def visible_experiments(viewer: Viewer) -> Select[Experiment]:
-    """Experiments of these groups, and the one of a shared run."""
+def visible_experiments(viewer: Viewer, *, in_trash: bool | None = False) -> Select[Experiment]:
+    """Experiments of these groups, and the one of a shared run; those in the trash only if asked for (None: too)."""
     seen: ColumnElement[bool] = Experiment.group_id.in_(_group_ids(viewer))
     if _is_sharing(viewer):
         seen = or_(seen, Experiment.id.in_(select(Run.experiment_id).where(Run.id.in_(_shared_run_ids(viewer)))))
-    return select(Experiment).where(seen)
+    return select(Experiment).where(seen, *_where(Experiment.trashed_at, in_trash))
 
 
-def visible_runs(viewer: Viewer) -> Select[Run]:
-    """Runs of the experiments of these groups, and a shared run."""
+def visible_runs(viewer: Viewer, *, in_trash: bool | None = False) -> Select[Run]:
+    """Runs of the experiments of these groups, and a shared run; those in the trash only if asked for (None: too)."""
     experiments = select(Experiment.id).where(Experiment.group_id.in_(_group_ids(viewer)))
     seen: ColumnElement[bool] = Run.experiment_id.in_(experiments)
     if _is_sharing(viewer):
         seen = or_(seen, Run.id.in_(_shared_run_ids(viewer)))
-    return select(Run).where(seen)
+    is_there = Run.experiment.has(Experiment.trashed_at.is_(None))  # with its experiment, a run is in the trash
+    return select(Run).where(seen, *_where(Run.trashed_at, in_trash), *(() if in_trash is None else (is_there,)))
+
+
+def _where(
+    trashed_at: InstrumentedAttribute[datetime | None], in_trash: bool | None
+) -> tuple[ColumnElement[bool], ...]:
+    if in_trash is None:
+        return ()
+    return (trashed_at.is_not(None) if in_trash else trashed_at.is_(None),)
 
 
 def _group_ids(viewer: Viewer) -> Select[UUID]:

@@ -102,9 +102,15 @@ def runs_retry(
 @router.delete(
     "/runs/{run_id}", status_code=HTTPStatus.NO_CONTENT, responses=responses(NoSuchRun, RunActive, InvalidRequest)
 )
-def runs_delete(session: SessionDependency, viewer: EditorDependency, run_id: UUID) -> None:
-    """Remove a run that ended, with its results."""
-    service.delete(session, viewer, run_id)
+def runs_delete(
+    session: SessionDependency,
+    platform: PlatformDependency,
+    viewer: EditorDependency,
+    run_id: UUID,
+    forever: Annotated[bool, Query(description="Remove it for good, past the trash.")] = False,
+) -> None:
+    """Put a run that ended into the trash, with its results."""
+    service.delete(session, platform, viewer, run_id, is_forever=forever)
 
 
 async def _existing_run(platform: PlatformDependency, viewer: ViewerDependency, run_id: UUID) -> UUID:

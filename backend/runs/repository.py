@@ -5,11 +5,11 @@ from dataclasses import dataclass
 from datetime import timedelta
 from uuid import UUID
 
-from sqlalchemy import ColumnElement, case, exists, func, or_, select
+from sqlalchemy import ColumnElement, case, func, or_, select
 from sqlalchemy.dialects.postgresql import distinct_on
 from sqlalchemy.orm import Session
 
-from backend.models import Product, Run, Shard
+from backend.models import Run, Shard
 from backend.models.states import RunState, ShardState
 from backend.platform.pages import Order, page_of
 from backend.platform.visibility import Viewer, visible_runs
@@ -146,15 +146,3 @@ def stages_made(session: Session, run_id: UUID) -> set[str]:
         .having(func.bool_and(Shard.product_id.is_not(None)))
     )
     return set(session.scalars(query))
-
-
-def products_of_only(session: Session, run_id: UUID) -> Sequence[Product]:
-    """Products of a run that no other run shares."""
-    own = select(Shard.product_id).where(Shard.run_id == run_id)
-    elsewhere = exists().where(Shard.product_id == Product.id, Shard.run_id != run_id)
-    return session.scalars(select(Product).where(Product.id.in_(own), ~elsewhere)).all()
-
-
-def shards(session: Session, run_id: UUID) -> Sequence[Shard]:
-    """Every shard of a run."""
-    return session.scalars(select(Shard).where(Shard.run_id == run_id)).all()

@@ -9,7 +9,7 @@ from sqlalchemy.orm import Session
 from backend.experiments.service import get as get_experiment
 from backend.experiments.service import get_locked
 from backend.groups.quotas import demand_run
-from backend.models import DoomedObject, Run, Shard, Stage
+from backend.models import Run, Shard, Stage
 from backend.models.lifecycle import request_cancel
 from backend.models.states import ACTIVE_RUN_STATES, RUN_RULES, RunState, StackState, is_terminal
 from backend.platform.audit import tell
@@ -18,13 +18,14 @@ from backend.platform.dependencies import Platform
 from backend.platform.events import announce, experiment_topic, run_topic
 from backend.platform.problems import Problem
 from backend.platform.texts import unstorable
+from backend.platform.trash import bytes_of_run, remove_run, throw_away
 from backend.platform.visibility import MayNot, Viewer
 from backend.runs import repository, schemas
 from backend.runs.errors import NoSuchRun, RunActive, RunFinished, RunNotFailed
 from backend.runs.progress import shown_stages
 from backend.runs.repository import Done
 from backend.runs.reuse import stage_reuse
-from backend.stacks.errors import StackNotReady
+from backend.stacks.errors import FramesExpired, StackNotReady
 from dropflow.errors import ParametersError
 from dropflow.experiment import parse_experiment
 from dropflow.parameters import Parameters, parse_parameters
@@ -50,6 +51,8 @@ def create(session: Session, platform: Platform, viewer: Viewer, experiment_id: 
     parameters = read_parameters(document)
     experiment = get_locked(session, viewer, experiment_id)
     stack = experiment.stack
+    if stack.state == StackState.EXPIRED:
+        raise FramesExpired
     if stack.state != StackState.READY or stack.n_frames is None or stack.rows is None or stack.columns is None:
         raise StackNotReady
     n_frames = stack.n_frames
@@ -119,21 +122,17 @@ def reuse(session: Session, viewer: Viewer, run_id: UUID) -> schemas.Reuse:
     )
 
 
-def delete(session: Session, viewer: Viewer, run_id: UUID) -> None:
-    """Remove a run, and what it made unless another run shares it."""
+def delete(session: Session, platform: Platform, viewer: Viewer, run_id: UUID, *, is_forever: bool = False) -> None:
+    """Put a run into the trash; or remove it for good, and what it made unless another run shares it."""
     experiment_id = get(session, viewer, run_id).experiment_id
     get_locked(session, viewer, experiment_id)  # so that no new run shares a product in this moment
     run = repository.lock(session, viewer, run_id) or _absent(session, viewer, run_id)
     if run.state in ACTIVE_RUN_STATES:
         raise RunActive
-    products = repository.products_of_only(session, run.id)
-    for shard in repository.shards(session, run.id):
-        session.delete(shard)
-    session.flush()
-    for product in products:
-        session.add(DoomedObject(key=product.prefix))
-        session.delete(product)
-    session.delete(run)
+    if is_forever:
+        remove_run(session, run)
+    else:
+        throw_away(session, viewer, run, bytes_of_run(session, platform.store, run))
     _announce(session, run)
 
 

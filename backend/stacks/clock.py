@@ -7,7 +7,7 @@ from sqlalchemy.orm import Session
 
 from backend.models import Experiment
 from backend.platform.object_store import ObjectStore
-from backend.platform.places import Place
+from backend.platform.store_files import place_of
 from backend.platform.visibility import Viewer
 from backend.stacks import repository
 from backend.stacks.errors import StackNotReady
@@ -47,7 +47,7 @@ def _timed(
     logs = [file for file in repository.files(session, viewer, experiment.id) if file.role == Role.TEMPERATURE_LOG]
     if not logs:
         return index.timed(document)
-    place = Place(logs[0].store_key, logs[0].start_byte, logs[0].size_bytes)
+    place = place_of(logs[0])
     try:
         with store.open_place(place) as log:
             return index.timed(document, log)

@@ -14,12 +14,12 @@ from backend.platform import downloads
 from backend.platform.dependencies import EditorDependency, PlatformDependency, SessionDependency, ViewerDependency
 from backend.platform.problems import InvalidRequest, responses
 from backend.platform.store_errors import StoreAway, StoreFull
-from backend.stacks import service, upload
+from backend.stacks import confirmation, service, upload
 from backend.stacks.clock import Clock, clock
-from backend.stacks.errors import RunsExist, StackClosed, StackNotReady, TooLarge, WrongKind
+from backend.stacks.errors import OtherFacts, RunsExist, StackClosed, StackNotReady, TooLarge, WrongKind
 from backend.stacks.images import PictureKind, as_picture
 from backend.stacks.pictures import read_frame
-from backend.stacks.schemas import File, FileQuery, Files, Role
+from backend.stacks.schemas import Confirm, File, FileQuery, Files, Role
 
 router = APIRouter(prefix="/experiments/{experiment_id}", tags=["frames"])
 
@@ -93,6 +93,14 @@ def stack_complete(
     """Say that all files are there. Every frame is read; the stack becomes `ready` or `rejected` with the problem."""
     leave_out = missing == "leave_out"
     return shown(session, viewer, service.seal(session, platform, viewer, experiment_id, leave_out_missing=leave_out))
+
+
+@router.put("/confirmation", responses=responses(NoSuchExperiment, StackNotReady, OtherFacts, InvalidRequest))
+def stack_confirm(
+    session: SessionDependency, viewer: EditorDependency, experiment_id: UUID, said: Confirm
+) -> Experiment:
+    """Say that order, times and scale of the frames are right; who said it, and when, is kept with them."""
+    return shown(session, viewer, confirmation.confirm(session, viewer, experiment_id, said))
 
 
 @router.delete("/stack", responses=responses(NoSuchExperiment, RunsExist, InvalidRequest))

@@ -87,6 +87,28 @@ class StackNotReady(Conflict):
         )
 
 
+class FramesExpired(Conflict):
+    """Its raw frames were removed; what was made of them is there."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            "The raw frames were removed to save room; results stay.",
+            code="conflict.frames_expired",
+            hint="If they are still in the trash, bring them back from there.",
+        )
+
+
+class OtherFacts(Conflict):
+    """What is confirmed is not what is here."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            "The frames or their description have changed meanwhile.",
+            code="conflict.changed_meanwhile",
+            hint="Look at them again.",
+        )
+
+
 class RunsExist(Conflict):
     """Runs were made from these frames."""
 

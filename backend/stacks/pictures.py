@@ -19,6 +19,8 @@ def read_frame(
 
     def open_stack() -> Frames:
         files = StoreFiles(store, service.frame_files(session, viewer, experiment.id))
-        return open_frames(files, Choice.of(parse_experiment(experiment.document)))
+        return open_frames(
+            files, Choice.of(parse_experiment(experiment.document), tuple(experiment.stack.broken_frames))
+        )
 
     return stacks.read(f"{experiment.id}/{experiment.stack.checksum}", frame, open_stack)

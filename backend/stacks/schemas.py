@@ -31,6 +31,22 @@ class File(BaseModel):
     role: Role
 
 
+class Confirm(BaseModel):
+    """What a person has seen and says is right: as `stack` and the description of the experiment say it."""
+
+    model_config = ConfigDict(
+        extra="forbid",
+        json_schema_extra={
+            "examples": [{"checksum": "9f86d0", "n_frames": 200, "duration_s": 199.0, "pixel_size_um": 0.625}]
+        },
+    )
+
+    checksum: Annotated[Words, Field(max_length=64)]
+    n_frames: int
+    duration_s: float
+    pixel_size_um: float
+
+
 class Files(Page[File]):
     """Some uploaded files."""
 

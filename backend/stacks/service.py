@@ -20,6 +20,7 @@ from backend.stacks import repository, schemas
 from backend.stacks.attachments import disagreements
 from backend.stacks.errors import (
     FilesMissing,
+    FramesExpired,
     NoSuchFile,
     NoSuchFrame,
     RunsExist,
@@ -103,13 +104,16 @@ def _empty(stack: Stack) -> None:
     stack.state = rule(STACK_RULES, "clear").target
     stack.n_frames = stack.rows = stack.columns = stack.dtype = stack.duration_s = None
     stack.checksum = stack.index_key = stack.problem = None
-    stack.warnings = []
+    stack.warnings, stack.broken_frames = [], []
+    stack.confirmed_at = stack.confirmation = None
 
 
 def with_frame(session: Session, viewer: Viewer, experiment_id: UUID, frame: int) -> Experiment:
     """The experiment, if it has such a frame."""
     experiment = get(session, viewer, experiment_id)
     n_frames = experiment.stack.n_frames
+    if experiment.stack.state == StackState.EXPIRED:
+        raise FramesExpired
     if experiment.stack.state != StackState.READY or n_frames is None:
         raise StackNotReady
     if not 0 <= frame < n_frames:

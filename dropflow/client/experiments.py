@@ -77,7 +77,7 @@ class Experiment:
         return self
 
     def delete(self) -> None:
-        """Remove it with its frames, runs and results."""
+        """Put it into the trash, with its frames, runs and results."""
         self._connection.request("DELETE", self._path)
 
     def files(self) -> list[UploadedFile]:

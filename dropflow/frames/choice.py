@@ -17,10 +17,12 @@ class Choice:
     z_plane: int | None = None
     is_z_time: bool = False
     position: int | None = None
+    left_out: tuple[int, ...] = ()
+    """Frames that cannot be read and may be missing."""
 
     @classmethod
-    def of(cls, experiment: Experiment) -> "Choice":
-        """The choice that `experiment` makes."""
+    def of(cls, experiment: Experiment, left_out: tuple[int, ...] = ()) -> "Choice":
+        """The choice that `experiment` makes, without the frames that were found broken."""
         return cls(
             grey_from=experiment.grey_from,
             dataset=experiment.dataset,
@@ -28,6 +30,7 @@ class Choice:
             z_plane=experiment.z_plane,
             is_z_time=experiment.is_z_time,
             position=experiment.position,
+            left_out=left_out,
         )
 
 

@@ -10,6 +10,7 @@ from dropflow.frames.contract import Files, Frame, Frames
 from dropflow.frames.damage import Source
 from dropflow.frames.files import FolderFiles, film_names, image_names, natural_order, one_folder
 from dropflow.frames.kinds import STILLS, VIDEOS, WHAT_TO_GIVE, not_an_image, sniff
+from dropflow.frames.left_out import ReadableFrames
 from dropflow.frames.parts import PartFrames
 from dropflow.frames.stack import Closeable, StackFrames
 from dropflow.frames.tiff import TiffFrames
@@ -37,7 +38,9 @@ def open_frames(source: Path | Files, choice: Choice | None = None) -> Frames:
         ``frames.choose``, ... naming the file.
     """
     files, names = stack_files(source)
-    return _open(files, names, choice or Choice(), label=_label(source))
+    choice = choice or Choice()
+    frames = _open(files, names, choice, label=_label(source))
+    return ReadableFrames(frames, choice.left_out) if choice.left_out else frames
 
 
 def open_image(source: Path) -> Frame:

@@ -97,6 +97,12 @@ const administration = createRoute({
   component: lazyRouteComponent(() => import("./administration/AdministrationPage"), "AdministrationPage"),
 });
 
+const trash = createRoute({
+  getParentRoute: () => root,
+  path: "/trash",
+  component: lazyRouteComponent(() => import("./trash/TrashPage"), "TrashPage"),
+});
+
 const people = [signIn, invitation, shared, account, groups, group, administration];
 
 export const router = createRouter({
@@ -108,6 +114,7 @@ export const router = createRouter({
     run,
     compare,
     planning,
+    trash,
     ...people,
   ]),
   basepath: mountPath,

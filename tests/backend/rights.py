@@ -15,6 +15,7 @@ class Needs(Enum):
     VIEW = "view in the group"
     EDIT = "edit in the group"
     MEMBER = "a member of the group"
+    EDIT_OWN = "whoever may change anything, about what is in their groups"
     GROUP = "a member of the group, or an administrator"
     GROUP_ACCOUNT = "the same, themselves"
     MANAGE_GROUP = "who manages the group, or an administrator"
@@ -92,6 +93,16 @@ NEEDS = {
     "files_download": Needs.VIEW,
     "stack_complete": Needs.EDIT,
     "stack_delete": Needs.EDIT,
+    "stack_confirm": Needs.EDIT,
+    "frames_delete": Needs.EDIT,
+    "trash_look": Needs.PERSON,
+    "trash_empty": Needs.EDIT_OWN,
+    "trash_restore_experiment": Needs.EDIT,
+    "trash_remove_experiment": Needs.EDIT,
+    "trash_restore_run": Needs.EDIT,
+    "trash_remove_run": Needs.EDIT,
+    "trash_restore_frames": Needs.EDIT,
+    "trash_remove_frames": Needs.EDIT,
     "frames_picture": Needs.VIEW,
     "clock_get": Needs.VIEW,
     "imports_look": Needs.EDIT,

@@ -113,7 +113,7 @@ def test_a_deleted_experiment_leaves_no_object(house: House) -> None:
     house.start(ready)
     house.work()
     assert len(house.kept_objects()) > len(kept)
-    assert house.api.delete(f"experiments/{ready['id']}").status_code == 204
+    assert house.api.delete(f"experiments/{ready['id']}", params={"forever": True}).status_code == 204
     assert house.api.get(f"experiments/{ready['id']}").status_code == 404
     assert house.kept_objects() == kept
 

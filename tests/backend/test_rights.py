@@ -30,6 +30,7 @@ THROUGH: dict[Needs, set[str]] = {
     Needs.VIEW: {"visitor", *MEMBERS, "reading token", "submitting token"},
     Needs.EDIT: {"editor", "manager", "submitting token"},
     Needs.MEMBER: {*MEMBERS, "reading token", "submitting token"},
+    Needs.EDIT_OWN: {"stranger", *MEMBERS, "administrator", "submitting token"},
     Needs.GROUP: {*MEMBERS, "administrator", "reading token", "submitting token"},
     Needs.GROUP_ACCOUNT: {*MEMBERS, "administrator"},
     Needs.MANAGE_GROUP: {"manager", "administrator"},

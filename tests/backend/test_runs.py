@@ -251,7 +251,7 @@ def test_a_deleted_run_takes_its_objects_with_it_but_not_those_that_others_share
     house.work()
     second = house.start(ready, PARAMETERS | TRACKING_ONLY)
     house.work()
-    assert house.api.delete(f"runs/{first['id']}").status_code == 204
+    assert house.api.delete(f"runs/{first['id']}", params={"forever": True}).status_code == 204
     assert house.api.get(f"runs/{first['id']}").status_code == 404
     assert len(house.ok(house.api.get(f"runs/{second['id']}/frames/2/droplets"))["x_px"]) >= 5
     kept = _objects_of(house, ready)
@@ -259,7 +259,7 @@ def test_a_deleted_run_takes_its_objects_with_it_but_not_those_that_others_share
         prefixes = set(session.scalars(select(Product.prefix)))
     of_stack = {key for key in kept if _is_of_stack(house, key)}
     assert {key.rsplit("/", 1)[0].split("/flow.zarr")[0] + "/" for key in kept - of_stack} == prefixes
-    assert house.api.delete(f"runs/{second['id']}").status_code == 204
+    assert house.api.delete(f"runs/{second['id']}", params={"forever": True}).status_code == 204
     assert _objects_of(house, ready) == of_stack
     assert house.again(ready)["stack"]["state"] == "ready"
 

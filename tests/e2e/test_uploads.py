@@ -60,6 +60,45 @@ def test_a_folder_survives_a_closed_tab_and_a_killed_server(own_service: Running
     }
 
 
+N_SMALL_FILES = 20_000
+MOST_SERVER_KB = 400_000
+LONGEST_STALL_MS = 5_000
+WATCH_STALLS = """() => { window.longestStallMs = 0; let last = performance.now(); setInterval(() => {
+  const now = performance.now(); window.longestStallMs = Math.max(window.longestStallMs, now - last - 50); last = now;
+}, 50); }"""
+
+
+@pytest.mark.timeout(800)
+def test_twenty_thousand_small_files_leave_the_page_responsive_and_the_server_small(
+    own_service: RunningService,
+) -> None:
+    with scratch_folder() as folder, httpx.Client(base_url=f"{own_service.url}api/v1/", timeout=30) as api:
+        noise = np.random.default_rng(0).integers(0, 255, (16, 24), np.uint8)
+        for number in range(N_SMALL_FILES):
+            (folder / f"frame{number}.tif").write_bytes(tiff(noise + np.uint8(number % 251)))
+        experiment = api.post("experiments", json={"experiment": EXPERIMENT}).json()["id"]
+        with open_page(own_service.url) as page:
+            page.goto(f"experiments/{experiment}")
+            page.evaluate(WATCH_STALLS)
+            drop(page, TARGET, folder)
+            page.get_by_role("button", name=re.compile("^Upload")).click(timeout=120_000)
+            expect(page.get_by_label("Sending")).to_be_visible(timeout=60_000)
+            page.get_by_role("button", name="Use dark colours").click(timeout=LONGEST_STALL_MS)
+            expect(page.get_by_role("button", name="Use light colours")).to_be_visible()
+            assert page.locator("main *").count() < 500  # never a row a file
+            expect(page.get_by_text("frames ready")).to_be_visible(timeout=600_000)
+            assert page.evaluate("window.longestStallMs") < LONGEST_STALL_MS
+        stack = api.get(f"experiments/{experiment}").json()["stack"]
+        assert (stack["n_files"], stack["n_frames"]) == (N_SMALL_FILES, N_SMALL_FILES)
+        assert most_memory_kb(own_service.children["API"].process.pid) < MOST_SERVER_KB
+
+
+def most_memory_kb(process: int) -> int:
+    """The most that a process has had in memory so far."""
+    status = Path(f"/proc/{process}/status").read_text()
+    return int(next(line.split()[1] for line in status.splitlines() if line.startswith("VmHWM")))
+
+
 def _send(page: Page, experiment: str, folder: Path, *, look: bool = False) -> None:
     page.goto(f"experiments/{experiment}")
     if look:

@@ -159,7 +159,7 @@ def test_a_deleted_run_takes_the_lease_with_it(house: House, run: Json) -> None:
     lease = _take(house)
     with house.context.sessions.begin() as session:
         session.execute(update(Run).values(state="failed"))
-    assert house.api.delete(f"runs/{run['id']}").status_code == 204
+    assert house.api.delete(f"runs/{run['id']}", params={"forever": True}).status_code == 204
     with pytest.raises(LeaseLost):
         lease.renew()
     with pytest.raises(LeaseLost):

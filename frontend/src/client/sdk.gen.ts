@@ -2,7 +2,7 @@
 
 import type { Client, Options as Options2, TDataShape } from './client';
 import { client } from './client.gen';
-import type { AccountEndSessionData, AccountEndSessionErrors, AccountEndSessionResponses, AccountGetData, AccountGetErrors, AccountGetResponses, AccountPasswordData, AccountPasswordErrors, AccountPasswordResponses, AccountSessionsData, AccountSessionsErrors, AccountSessionsResponses, AccountUpdateData, AccountUpdateErrors, AccountUpdateResponses, AdministrationGetData, AdministrationGetErrors, AdministrationGetResponses, AuditListData, AuditListErrors, AuditListResponses, ClockGetData, ClockGetErrors, ClockGetResponses, ComparisonFiguresGetData, ComparisonFiguresGetErrors, ComparisonFiguresGetResponses, ComparisonFiguresTableData, ComparisonFiguresTableErrors, ComparisonFiguresTableResponses, ComparisonGetData, ComparisonGetErrors, ComparisonGetResponses, DetectionsGetData, DetectionsGetErrors, DetectionsGetResponses, DropletsGetData, DropletsGetErrors, DropletsGetResponses, ExperimentsCreateData, ExperimentsCreateErrors, ExperimentsCreateResponses, ExperimentsDeleteData, ExperimentsDeleteErrors, ExperimentsDeleteResponses, ExperimentsEventsData, ExperimentsEventsErrors, ExperimentsEventsResponses, ExperimentsGetData, ExperimentsGetErrors, ExperimentsGetResponses, ExperimentsListData, ExperimentsListErrors, ExperimentsListResponses, ExperimentsMoveData, ExperimentsMoveErrors, ExperimentsMoveResponses, ExperimentsUpdateData, ExperimentsUpdateErrors, ExperimentsUpdateResponses, ExportsGetData, ExportsGetErrors, ExportsGetResponses, ExportsListData, ExportsListErrors, ExportsListResponses, FiguresGetData, FiguresGetErrors, FiguresGetResponses, FiguresListData, FiguresListErrors, FiguresListResponses, FiguresTableData, FiguresTableErrors, FiguresTableResponses, FilesDownloadData, FilesDownloadErrors, FilesDownloadResponses, FilesListData, FilesListErrors, FilesListResponses, FilesUploadData, FilesUploadErrors, FilesUploadResponses, FlowGetData, FlowGetErrors, FlowGetResponses, FlowMapsGetData, FlowMapsGetErrors, FlowMapsGetResponses, FramesPictureData, FramesPictureErrors, FramesPictureResponses, GroupsCreateData, GroupsCreateErrors, GroupsCreateResponses, GroupsDeleteData, GroupsDeleteErrors, GroupsDeleteResponses, GroupsGetData, GroupsGetErrors, GroupsGetResponses, GroupsLimitData, GroupsLimitErrors, GroupsLimitResponses, GroupsListData, GroupsListErrors, GroupsListResponses, GroupsUpdateData, GroupsUpdateErrors, GroupsUpdateResponses, HealthGetData, HealthGetErrors, HealthGetResponses, ImportsCreateData, ImportsCreateErrors, ImportsCreateResponses, ImportsLookData, ImportsLookErrors, ImportsLookResponses, InvitationsAcceptData, InvitationsAcceptErrors, InvitationsAcceptResponses, InvitationsCreateData, InvitationsCreateErrors, InvitationsCreateResponses, InvitationsDeleteData, InvitationsDeleteErrors, InvitationsDeleteResponses, InvitationsListData, InvitationsListErrors, InvitationsListResponses, InvitationsLookData, InvitationsLookErrors, InvitationsLookResponses, LinkPreviewsCreateData, LinkPreviewsCreateErrors, LinkPreviewsCreateResponses, MaterialsGetData, MaterialsGetErrors, MaterialsGetPhaseDiagramData, MaterialsGetPhaseDiagramErrors, MaterialsGetPhaseDiagramResponses, MaterialsGetResponses, MaterialsGetViscosityData, MaterialsGetViscosityErrors, MaterialsGetViscosityResponses, MaterialsListData, MaterialsListErrors, MaterialsListResponses, MembersListData, MembersListErrors, MembersListResponses, MembersRemoveData, MembersRemoveErrors, MembersRemoveResponses, MembersSetData, MembersSetErrors, MembersSetResponses, NoticesListData, NoticesListErrors, NoticesListResponses, NoticesResendData, NoticesResendErrors, NoticesResendResponses, PeopleCreateData, PeopleCreateErrors, PeopleCreateResponses, PeopleLinkData, PeopleLinkErrors, PeopleLinkResponses, PeopleListData, PeopleListErrors, PeopleListResponses, PeopleUpdateData, PeopleUpdateErrors, PeopleUpdateResponses, PresetsCreateData, PresetsCreateErrors, PresetsCreateResponses, PresetsDeleteData, PresetsDeleteErrors, PresetsDeleteResponses, PresetsListData, PresetsListErrors, PresetsListResponses, PresetsUpdateData, PresetsUpdateErrors, PresetsUpdateResponses, PreviewsCreateData, PreviewsCreateErrors, PreviewsCreateResponses, QualityGetData, QualityGetErrors, QualityGetResponses, RampsDownloadData, RampsDownloadErrors, RampsDownloadResponses, RampsGetData, RampsGetErrors, RampsGetResponses, ReportGetData, ReportGetErrors, ReportGetResponses, ResultFilesDownloadData, ResultFilesDownloadErrors, ResultFilesDownloadResponses, ResultFilesListData, ResultFilesListErrors, ResultFilesListResponses, RunsCancelData, RunsCancelErrors, RunsCancelResponses, RunsCreateData, RunsCreateErrors, RunsCreateResponses, RunsDeleteData, RunsDeleteErrors, RunsDeleteResponses, RunsEventsData, RunsEventsErrors, RunsEventsResponses, RunsGetData, RunsGetErrors, RunsGetResponses, RunsGetReuseData, RunsGetReuseErrors, RunsGetReuseResponses, RunsListAllData, RunsListAllErrors, RunsListAllResponses, RunsListData, RunsListErrors, RunsListResponses, RunsRetryData, RunsRetryErrors, RunsRetryResponses, SchemasGetExperimentData, SchemasGetExperimentErrors, SchemasGetExperimentResponses, SchemasGetParametersData, SchemasGetParametersErrors, SchemasGetParametersResponses, SessionCreateData, SessionCreateErrors, SessionCreateResponses, SessionDeleteData, SessionDeleteErrors, SessionDeleteResponses, SessionGetData, SessionGetErrors, SessionGetResponses, SessionOidcCallbackData, SessionOidcCallbackErrors, SessionOidcCallbackResponses, SessionOidcData, SessionOidcErrors, SessionOidcResponses, SharesCreateData, SharesCreateErrors, SharesCreateResponses, SharesDeleteData, SharesDeleteErrors, SharesDeleteResponses, SharesListData, SharesListErrors, SharesListResponses, StackCompleteData, StackCompleteErrors, StackCompleteResponses, StackDeleteData, StackDeleteErrors, StackDeleteResponses, SuggestionsCreateData, SuggestionsCreateErrors, SuggestionsCreateResponses, TailsGetData, TailsGetErrors, TailsGetResponses, TokensCreateData, TokensCreateErrors, TokensCreateResponses, TokensListData, TokensListErrors, TokensListResponses, TokensRevokeData, TokensRevokeErrors, TokensRevokeResponses, TrajectoriesGetData, TrajectoriesGetErrors, TrajectoriesGetResponses, UploadsCreateData, UploadsCreateErrors, UploadsCreateResponses, UploadsGetData, UploadsGetErrors, UploadsGetResponses, UploadsListData, UploadsListErrors, UploadsListResponses, UploadsOffsetData, UploadsOffsetErrors, UploadsOffsetResponses, UploadsPlanData, UploadsPlanErrors, UploadsPlanResponses, UploadsSendData, UploadsSendErrors, UploadsSendResponses, UploadsTerminateData, UploadsTerminateErrors, UploadsTerminateResponses, WebhooksCreateData, WebhooksCreateErrors, WebhooksCreateResponses, WebhooksDeleteData, WebhooksDeleteErrors, WebhooksDeleteResponses, WebhooksListData, WebhooksListErrors, WebhooksListResponses, WebhooksRenewSecretData, WebhooksRenewSecretErrors, WebhooksRenewSecretResponses, WebhooksTestData, WebhooksTestErrors, WebhooksTestResponses, WebhooksUpdateData, WebhooksUpdateErrors, WebhooksUpdateResponses } from './types.gen';
+import type { AccountEndSessionData, AccountEndSessionErrors, AccountEndSessionResponses, AccountGetData, AccountGetErrors, AccountGetResponses, AccountPasswordData, AccountPasswordErrors, AccountPasswordResponses, AccountSessionsData, AccountSessionsErrors, AccountSessionsResponses, AccountUpdateData, AccountUpdateErrors, AccountUpdateResponses, AdministrationGetData, AdministrationGetErrors, AdministrationGetResponses, AuditListData, AuditListErrors, AuditListResponses, ClockGetData, ClockGetErrors, ClockGetResponses, ComparisonFiguresGetData, ComparisonFiguresGetErrors, ComparisonFiguresGetResponses, ComparisonFiguresTableData, ComparisonFiguresTableErrors, ComparisonFiguresTableResponses, ComparisonGetData, ComparisonGetErrors, ComparisonGetResponses, DetectionsGetData, DetectionsGetErrors, DetectionsGetResponses, DropletsGetData, DropletsGetErrors, DropletsGetResponses, ExperimentsCreateData, ExperimentsCreateErrors, ExperimentsCreateResponses, ExperimentsDeleteData, ExperimentsDeleteErrors, ExperimentsDeleteResponses, ExperimentsEventsData, ExperimentsEventsErrors, ExperimentsEventsResponses, ExperimentsGetData, ExperimentsGetErrors, ExperimentsGetResponses, ExperimentsListData, ExperimentsListErrors, ExperimentsListResponses, ExperimentsMoveData, ExperimentsMoveErrors, ExperimentsMoveResponses, ExperimentsUpdateData, ExperimentsUpdateErrors, ExperimentsUpdateResponses, ExportsGetData, ExportsGetErrors, ExportsGetResponses, ExportsListData, ExportsListErrors, ExportsListResponses, FiguresGetData, FiguresGetErrors, FiguresGetResponses, FiguresListData, FiguresListErrors, FiguresListResponses, FiguresTableData, FiguresTableErrors, FiguresTableResponses, FilesDownloadData, FilesDownloadErrors, FilesDownloadResponses, FilesListData, FilesListErrors, FilesListResponses, FilesUploadData, FilesUploadErrors, FilesUploadResponses, FlowGetData, FlowGetErrors, FlowGetResponses, FlowMapsGetData, FlowMapsGetErrors, FlowMapsGetResponses, FramesDeleteData, FramesDeleteErrors, FramesDeleteResponses, FramesPictureData, FramesPictureErrors, FramesPictureResponses, GroupsCreateData, GroupsCreateErrors, GroupsCreateResponses, GroupsDeleteData, GroupsDeleteErrors, GroupsDeleteResponses, GroupsGetData, GroupsGetErrors, GroupsGetResponses, GroupsLimitData, GroupsLimitErrors, GroupsLimitResponses, GroupsListData, GroupsListErrors, GroupsListResponses, GroupsUpdateData, GroupsUpdateErrors, GroupsUpdateResponses, HealthGetData, HealthGetErrors, HealthGetResponses, ImportsCreateData, ImportsCreateErrors, ImportsCreateResponses, ImportsLookData, ImportsLookErrors, ImportsLookResponses, InvitationsAcceptData, InvitationsAcceptErrors, InvitationsAcceptResponses, InvitationsCreateData, InvitationsCreateErrors, InvitationsCreateResponses, InvitationsDeleteData, InvitationsDeleteErrors, InvitationsDeleteResponses, InvitationsListData, InvitationsListErrors, InvitationsListResponses, InvitationsLookData, InvitationsLookErrors, InvitationsLookResponses, LinkPreviewsCreateData, LinkPreviewsCreateErrors, LinkPreviewsCreateResponses, MaterialsGetData, MaterialsGetErrors, MaterialsGetPhaseDiagramData, MaterialsGetPhaseDiagramErrors, MaterialsGetPhaseDiagramResponses, MaterialsGetResponses, MaterialsGetViscosityData, MaterialsGetViscosityErrors, MaterialsGetViscosityResponses, MaterialsListData, MaterialsListErrors, MaterialsListResponses, MembersListData, MembersListErrors, MembersListResponses, MembersRemoveData, MembersRemoveErrors, MembersRemoveResponses, MembersSetData, MembersSetErrors, MembersSetResponses, NoticesListData, NoticesListErrors, NoticesListResponses, NoticesResendData, NoticesResendErrors, NoticesResendResponses, PeopleCreateData, PeopleCreateErrors, PeopleCreateResponses, PeopleLinkData, PeopleLinkErrors, PeopleLinkResponses, PeopleListData, PeopleListErrors, PeopleListResponses, PeopleUpdateData, PeopleUpdateErrors, PeopleUpdateResponses, PresetsCreateData, PresetsCreateErrors, PresetsCreateResponses, PresetsDeleteData, PresetsDeleteErrors, PresetsDeleteResponses, PresetsListData, PresetsListErrors, PresetsListResponses, PresetsUpdateData, PresetsUpdateErrors, PresetsUpdateResponses, PreviewsCreateData, PreviewsCreateErrors, PreviewsCreateResponses, QualityGetData, QualityGetErrors, QualityGetResponses, RampsDownloadData, RampsDownloadErrors, RampsDownloadResponses, RampsGetData, RampsGetErrors, RampsGetResponses, ReportGetData, ReportGetErrors, ReportGetResponses, ResultFilesDownloadData, ResultFilesDownloadErrors, ResultFilesDownloadResponses, ResultFilesListData, ResultFilesListErrors, ResultFilesListResponses, RunsCancelData, RunsCancelErrors, RunsCancelResponses, RunsCreateData, RunsCreateErrors, RunsCreateResponses, RunsDeleteData, RunsDeleteErrors, RunsDeleteResponses, RunsEventsData, RunsEventsErrors, RunsEventsResponses, RunsGetData, RunsGetErrors, RunsGetResponses, RunsGetReuseData, RunsGetReuseErrors, RunsGetReuseResponses, RunsListAllData, RunsListAllErrors, RunsListAllResponses, RunsListData, RunsListErrors, RunsListResponses, RunsRetryData, RunsRetryErrors, RunsRetryResponses, SchemasGetExperimentData, SchemasGetExperimentErrors, SchemasGetExperimentResponses, SchemasGetParametersData, SchemasGetParametersErrors, SchemasGetParametersResponses, SessionCreateData, SessionCreateErrors, SessionCreateResponses, SessionDeleteData, SessionDeleteErrors, SessionDeleteResponses, SessionGetData, SessionGetErrors, SessionGetResponses, SessionOidcCallbackData, SessionOidcCallbackErrors, SessionOidcCallbackResponses, SessionOidcData, SessionOidcErrors, SessionOidcResponses, SharesCreateData, SharesCreateErrors, SharesCreateResponses, SharesDeleteData, SharesDeleteErrors, SharesDeleteResponses, SharesListData, SharesListErrors, SharesListResponses, StackCompleteData, StackCompleteErrors, StackCompleteResponses, StackConfirmData, StackConfirmErrors, StackConfirmResponses, StackDeleteData, StackDeleteErrors, StackDeleteResponses, SuggestionsCreateData, SuggestionsCreateErrors, SuggestionsCreateResponses, TailsGetData, TailsGetErrors, TailsGetResponses, TokensCreateData, TokensCreateErrors, TokensCreateResponses, TokensListData, TokensListErrors, TokensListResponses, TokensRevokeData, TokensRevokeErrors, TokensRevokeResponses, TrajectoriesGetData, TrajectoriesGetErrors, TrajectoriesGetResponses, TrashEmptyData, TrashEmptyErrors, TrashEmptyResponses, TrashLookData, TrashLookErrors, TrashLookResponses, TrashRemoveExperimentData, TrashRemoveExperimentErrors, TrashRemoveExperimentResponses, TrashRemoveFramesData, TrashRemoveFramesErrors, TrashRemoveFramesResponses, TrashRemoveRunData, TrashRemoveRunErrors, TrashRemoveRunResponses, TrashRestoreExperimentData, TrashRestoreExperimentErrors, TrashRestoreExperimentResponses, TrashRestoreFramesData, TrashRestoreFramesErrors, TrashRestoreFramesResponses, TrashRestoreRunData, TrashRestoreRunErrors, TrashRestoreRunResponses, UploadsCreateData, UploadsCreateErrors, UploadsCreateResponses, UploadsGetData, UploadsGetErrors, UploadsGetResponses, UploadsListData, UploadsListErrors, UploadsListResponses, UploadsOffsetData, UploadsOffsetErrors, UploadsOffsetResponses, UploadsPlanData, UploadsPlanErrors, UploadsPlanResponses, UploadsSendData, UploadsSendErrors, UploadsSendResponses, UploadsTerminateData, UploadsTerminateErrors, UploadsTerminateResponses, WebhooksCreateData, WebhooksCreateErrors, WebhooksCreateResponses, WebhooksDeleteData, WebhooksDeleteErrors, WebhooksDeleteResponses, WebhooksListData, WebhooksListErrors, WebhooksListResponses, WebhooksRenewSecretData, WebhooksRenewSecretErrors, WebhooksRenewSecretResponses, WebhooksTestData, WebhooksTestErrors, WebhooksTestResponses, WebhooksUpdateData, WebhooksUpdateErrors, WebhooksUpdateResponses } from './types.gen';
 
 export type Options<TData extends TDataShape = TDataShape, ThrowOnError extends boolean = boolean, TResponse = unknown> = Options2<TData, ThrowOnError, TResponse> & {
     /**
@@ -213,7 +213,7 @@ export const experimentsCreate = <ThrowOnError extends boolean = true>(options: 
 /**
  * Experiments Delete
  *
- * Remove an experiment with its frames, runs and results.
+ * Put an experiment into the trash, with its frames, runs and results.
  */
 export const experimentsDelete = <ThrowOnError extends boolean = true>(options: Options<ExperimentsDeleteData, ThrowOnError>) => (options.client ?? client).delete<ExperimentsDeleteResponses, ExperimentsDeleteErrors, ThrowOnError>({
     security: [{
@@ -272,6 +272,25 @@ export const clockGet = <ThrowOnError extends boolean = true>(options: Options<C
         }, { scheme: 'bearer', type: 'http' }],
     url: '/api/v1/experiments/{experiment_id}/clock',
     ...options
+});
+
+/**
+ * Stack Confirm
+ *
+ * Say that order, times and scale of the frames are right; who said it, and when, is kept with them.
+ */
+export const stackConfirm = <ThrowOnError extends boolean = true>(options: Options<StackConfirmData, ThrowOnError>) => (options.client ?? client).put<StackConfirmResponses, StackConfirmErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/experiments/{experiment_id}/confirmation',
+    ...options,
+    headers: {
+        'Content-Type': 'application/json',
+        ...options.headers
+    }
 });
 
 /**
@@ -336,6 +355,21 @@ export const filesDownload = <ThrowOnError extends boolean = true>(options: Opti
             type: 'apiKey'
         }, { scheme: 'bearer', type: 'http' }],
     url: '/api/v1/experiments/{experiment_id}/files/{file_id}',
+    ...options
+});
+
+/**
+ * Frames Delete
+ *
+ * Put the raw frames into the trash. Runs and results stay; new runs need the frames back.
+ */
+export const framesDelete = <ThrowOnError extends boolean = true>(options: Options<FramesDeleteData, ThrowOnError>) => (options.client ?? client).delete<FramesDeleteResponses, FramesDeleteErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/experiments/{experiment_id}/frames',
     ...options
 });
 
@@ -1252,7 +1286,7 @@ export const runsListAll = <ThrowOnError extends boolean = true>(options?: Optio
 /**
  * Runs Delete
  *
- * Remove a run that ended, with its results.
+ * Put a run that ended into the trash, with its results.
  */
 export const runsDelete = <ThrowOnError extends boolean = true>(options: Options<RunsDeleteData, ThrowOnError>) => (options.client ?? client).delete<RunsDeleteResponses, RunsDeleteErrors, ThrowOnError>({
     security: [{
@@ -1715,5 +1749,125 @@ export const tokensRevoke = <ThrowOnError extends boolean = true>(options: Optio
             type: 'apiKey'
         }, { scheme: 'bearer', type: 'http' }],
     url: '/api/v1/tokens/{token_id}',
+    ...options
+});
+
+/**
+ * Trash Empty
+ *
+ * Remove for good all that lies in the trash of the groups that you may edit.
+ */
+export const trashEmpty = <ThrowOnError extends boolean = true>(options?: Options<TrashEmptyData, ThrowOnError>) => (options?.client ?? client).delete<TrashEmptyResponses, TrashEmptyErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/trash',
+    ...options
+});
+
+/**
+ * Trash Look
+ *
+ * Look at what was deleted in your groups and is not gone yet: it still takes room.
+ */
+export const trashLook = <ThrowOnError extends boolean = true>(options?: Options<TrashLookData, ThrowOnError>) => (options?.client ?? client).get<TrashLookResponses, TrashLookErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/trash',
+    ...options
+});
+
+/**
+ * Trash Remove Experiment
+ *
+ * Remove an experiment in the trash for good.
+ */
+export const trashRemoveExperiment = <ThrowOnError extends boolean = true>(options: Options<TrashRemoveExperimentData, ThrowOnError>) => (options.client ?? client).delete<TrashRemoveExperimentResponses, TrashRemoveExperimentErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/trash/experiments/{experiment_id}',
+    ...options
+});
+
+/**
+ * Trash Restore Experiment
+ *
+ * Bring an experiment back with all that belongs to it.
+ */
+export const trashRestoreExperiment = <ThrowOnError extends boolean = true>(options: Options<TrashRestoreExperimentData, ThrowOnError>) => (options.client ?? client).post<TrashRestoreExperimentResponses, TrashRestoreExperimentErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/trash/experiments/{experiment_id}/restore',
+    ...options
+});
+
+/**
+ * Trash Remove Frames
+ *
+ * Remove the raw frames in the trash for good; results stay.
+ */
+export const trashRemoveFrames = <ThrowOnError extends boolean = true>(options: Options<TrashRemoveFramesData, ThrowOnError>) => (options.client ?? client).delete<TrashRemoveFramesResponses, TrashRemoveFramesErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/trash/frames/{experiment_id}',
+    ...options
+});
+
+/**
+ * Trash Restore Frames
+ *
+ * Bring the raw frames of an experiment back.
+ */
+export const trashRestoreFrames = <ThrowOnError extends boolean = true>(options: Options<TrashRestoreFramesData, ThrowOnError>) => (options.client ?? client).post<TrashRestoreFramesResponses, TrashRestoreFramesErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/trash/frames/{experiment_id}/restore',
+    ...options
+});
+
+/**
+ * Trash Remove Run
+ *
+ * Remove a run in the trash for good.
+ */
+export const trashRemoveRun = <ThrowOnError extends boolean = true>(options: Options<TrashRemoveRunData, ThrowOnError>) => (options.client ?? client).delete<TrashRemoveRunResponses, TrashRemoveRunErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/trash/runs/{run_id}',
+    ...options
+});
+
+/**
+ * Trash Restore Run
+ *
+ * Bring a run back with its results.
+ */
+export const trashRestoreRun = <ThrowOnError extends boolean = true>(options: Options<TrashRestoreRunData, ThrowOnError>) => (options.client ?? client).post<TrashRestoreRunResponses, TrashRestoreRunErrors, ThrowOnError>({
+    security: [{
+            in: 'cookie',
+            name: 'dropflow',
+            type: 'apiKey'
+        }, { scheme: 'bearer', type: 'http' }],
+    url: '/api/v1/trash/runs/{run_id}/restore',
     ...options
 });

@@ -371,6 +371,46 @@ export type ComparisonFigureEntry = {
 export type ComparisonFigureName = 'size_distribution_at' | 'moments' | 'velocity_against_radius' | 'flow_moments' | 'periods_against_driving';
 
 /**
+ * Confirm
+ *
+ * What a person has seen and says is right: as `stack` and the description of the experiment say it.
+ */
+export type Confirm = {
+    /**
+     * Checksum
+     */
+    checksum: string;
+    /**
+     * Duration S
+     */
+    duration_s: number;
+    /**
+     * N Frames
+     */
+    n_frames: number;
+    /**
+     * Pixel Size Um
+     */
+    pixel_size_um: number;
+};
+
+/**
+ * Confirmation
+ *
+ * A person has said that order, times and scale of the frames are right as they are now.
+ */
+export type Confirmation = {
+    /**
+     * At
+     */
+    at: string;
+    /**
+     * By
+     */
+    by: string;
+};
+
+/**
  * Difference
  *
  * Something that went into a stage of this run and not of the earlier one.
@@ -409,6 +449,22 @@ export type Disk = {
      * Results Bytes
      */
     results_bytes: number;
+};
+
+/**
+ * Emptied
+ *
+ * What emptying the trash has removed.
+ */
+export type Emptied = {
+    /**
+     * N Items
+     */
+    n_items: number;
+    /**
+     * Size Bytes
+     */
+    size_bytes: number;
 };
 
 /**
@@ -488,7 +544,7 @@ export type Export = {
      * Is Available
      */
     is_available: boolean;
-    kind: Kind;
+    kind: DropflowExportsKindsKind;
     /**
      * Media Type
      */
@@ -1001,7 +1057,7 @@ export type Invitations = {
  *
  * One form of export.
  */
-export type Kind = 'csv' | 'parquet' | 'hdf5' | 'trackmate' | 'trackpy' | 'napari' | 'netcdf' | 'zarr';
+export type KindInput = 'csv' | 'parquet' | 'hdf5' | 'trackmate' | 'trackpy' | 'napari' | 'netcdf' | 'zarr';
 
 /**
  * KnownPerson
@@ -2601,6 +2657,10 @@ export type SignedInBrowsers = {
  */
 export type Stack = {
     /**
+     * Broken Frames
+     */
+    broken_frames: Array<number>;
+    /**
      * Checksum
      */
     checksum: string | null;
@@ -2608,6 +2668,7 @@ export type Stack = {
      * Columns
      */
     columns: number | null;
+    confirmation: Confirmation | null;
     /**
      * Done Frames
      */
@@ -2650,7 +2711,7 @@ export type Stack = {
  *
  * How far the frames of an experiment are.
  */
-export type StackState = 'empty' | 'uploading' | 'indexing' | 'ready' | 'rejected';
+export type StackState = 'empty' | 'uploading' | 'indexing' | 'ready' | 'rejected' | 'expired';
 
 /**
  * Stage
@@ -2916,6 +2977,67 @@ export type Trajectory = {
 };
 
 /**
+ * Trash
+ *
+ * All that lies in the trash of one's groups, what came last first.
+ */
+export type Trash = {
+    /**
+     * Items
+     */
+    items: Array<TrashedThing>;
+    /**
+     * Size Bytes
+     */
+    size_bytes: number;
+};
+
+/**
+ * TrashedThing
+ *
+ * Something in the trash.
+ */
+export type TrashedThing = {
+    /**
+     * Experiment Id
+     */
+    experiment_id: string;
+    /**
+     * Goes At
+     */
+    goes_at: string | null;
+    /**
+     * Group
+     */
+    group: string;
+    kind: BackendTrashSchemasKind;
+    /**
+     * Name
+     */
+    name: string;
+    /**
+     * Number
+     */
+    number: number | null;
+    /**
+     * Run Id
+     */
+    run_id: string | null;
+    /**
+     * Size Bytes
+     */
+    size_bytes: number;
+    /**
+     * Trashed At
+     */
+    trashed_at: string;
+    /**
+     * Trashed By
+     */
+    trashed_by: string | null;
+};
+
+/**
  * Trouble
  *
  * A run that failed lately, or that goes on for long.
@@ -3135,6 +3257,20 @@ export type Welcome = {
  * Before or after the consistency check of tracking.
  */
 export type Which = 'detected' | 'tracked';
+
+/**
+ * Kind
+ *
+ * What lies in the trash.
+ */
+export type BackendTrashSchemasKind = 'experiment' | 'run' | 'frames';
+
+/**
+ * Kind
+ *
+ * One form of export.
+ */
+export type DropflowExportsKindsKind = 'csv' | 'parquet' | 'hdf5' | 'trackmate' | 'trackpy' | 'napari' | 'netcdf' | 'zarr';
 
 export type AccountGetData = {
     body?: never;
@@ -3912,7 +4048,14 @@ export type ExperimentsDeleteData = {
          */
         experiment_id: string;
     };
-    query?: never;
+    query?: {
+        /**
+         * Forever
+         *
+         * Remove it for good, past the trash.
+         */
+        forever?: boolean;
+    };
     url: '/api/v1/experiments/{experiment_id}';
 };
 
@@ -4155,6 +4298,76 @@ export type ClockGetResponses = {
 };
 
 export type ClockGetResponse = ClockGetResponses[keyof ClockGetResponses];
+
+export type StackConfirmData = {
+    body: Confirm;
+    path: {
+        /**
+         * Experiment Id
+         */
+        experiment_id: string;
+    };
+    query?: never;
+    url: '/api/v1/experiments/{experiment_id}/confirmation';
+};
+
+export type StackConfirmErrors = {
+    /**
+     * Bad Request
+     */
+    400: Problem;
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Conflict
+     */
+    409: Problem;
+    /**
+     * Request Entity Too Large
+     */
+    413: Problem;
+    /**
+     * Unsupported Media Type
+     */
+    415: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type StackConfirmError = StackConfirmErrors[keyof StackConfirmErrors];
+
+export type StackConfirmResponses = {
+    /**
+     * Successful Response
+     */
+    200: Experiment;
+};
+
+export type StackConfirmResponse = StackConfirmResponses[keyof StackConfirmResponses];
 
 export type ExperimentsEventsData = {
     body?: never;
@@ -4439,6 +4652,64 @@ export type FilesDownloadResponses = {
      */
     206: unknown;
 };
+
+export type FramesDeleteData = {
+    body?: never;
+    path: {
+        /**
+         * Experiment Id
+         */
+        experiment_id: string;
+    };
+    query?: never;
+    url: '/api/v1/experiments/{experiment_id}/frames';
+};
+
+export type FramesDeleteErrors = {
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Conflict
+     */
+    409: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type FramesDeleteError = FramesDeleteErrors[keyof FramesDeleteErrors];
+
+export type FramesDeleteResponses = {
+    /**
+     * Successful Response
+     */
+    200: Experiment;
+};
+
+export type FramesDeleteResponse = FramesDeleteResponses[keyof FramesDeleteResponses];
 
 export type FramesPictureData = {
     body?: never;
@@ -8039,7 +8310,14 @@ export type RunsDeleteData = {
          */
         run_id: string;
     };
-    query?: never;
+    query?: {
+        /**
+         * Forever
+         *
+         * Remove it for good, past the trash.
+         */
+        forever?: boolean;
+    };
     url: '/api/v1/runs/{run_id}';
 };
 
@@ -8310,7 +8588,7 @@ export type ExportsListResponse = ExportsListResponses[keyof ExportsListResponse
 export type ExportsGetData = {
     body?: never;
     path: {
-        kind: Kind;
+        kind: KindInput;
         /**
          * Run Id
          */
@@ -10028,3 +10306,433 @@ export type TokensRevokeResponses = {
 };
 
 export type TokensRevokeResponse = TokensRevokeResponses[keyof TokensRevokeResponses];
+
+export type TrashEmptyData = {
+    body?: never;
+    path?: never;
+    query?: never;
+    url: '/api/v1/trash';
+};
+
+export type TrashEmptyErrors = {
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type TrashEmptyError = TrashEmptyErrors[keyof TrashEmptyErrors];
+
+export type TrashEmptyResponses = {
+    /**
+     * Successful Response
+     */
+    200: Emptied;
+};
+
+export type TrashEmptyResponse = TrashEmptyResponses[keyof TrashEmptyResponses];
+
+export type TrashLookData = {
+    body?: never;
+    path?: never;
+    query?: never;
+    url: '/api/v1/trash';
+};
+
+export type TrashLookErrors = {
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type TrashLookError = TrashLookErrors[keyof TrashLookErrors];
+
+export type TrashLookResponses = {
+    /**
+     * Successful Response
+     */
+    200: Trash;
+};
+
+export type TrashLookResponse = TrashLookResponses[keyof TrashLookResponses];
+
+export type TrashRemoveExperimentData = {
+    body?: never;
+    path: {
+        /**
+         * Experiment Id
+         */
+        experiment_id: string;
+    };
+    query?: never;
+    url: '/api/v1/trash/experiments/{experiment_id}';
+};
+
+export type TrashRemoveExperimentErrors = {
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Conflict
+     */
+    409: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type TrashRemoveExperimentError = TrashRemoveExperimentErrors[keyof TrashRemoveExperimentErrors];
+
+export type TrashRemoveExperimentResponses = {
+    /**
+     * Successful Response
+     */
+    204: void;
+};
+
+export type TrashRemoveExperimentResponse = TrashRemoveExperimentResponses[keyof TrashRemoveExperimentResponses];
+
+export type TrashRestoreExperimentData = {
+    body?: never;
+    path: {
+        /**
+         * Experiment Id
+         */
+        experiment_id: string;
+    };
+    query?: never;
+    url: '/api/v1/trash/experiments/{experiment_id}/restore';
+};
+
+export type TrashRestoreExperimentErrors = {
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Conflict
+     */
+    409: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type TrashRestoreExperimentError = TrashRestoreExperimentErrors[keyof TrashRestoreExperimentErrors];
+
+export type TrashRestoreExperimentResponses = {
+    /**
+     * Successful Response
+     */
+    204: void;
+};
+
+export type TrashRestoreExperimentResponse = TrashRestoreExperimentResponses[keyof TrashRestoreExperimentResponses];
+
+export type TrashRemoveFramesData = {
+    body?: never;
+    path: {
+        /**
+         * Experiment Id
+         */
+        experiment_id: string;
+    };
+    query?: never;
+    url: '/api/v1/trash/frames/{experiment_id}';
+};
+
+export type TrashRemoveFramesErrors = {
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Conflict
+     */
+    409: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type TrashRemoveFramesError = TrashRemoveFramesErrors[keyof TrashRemoveFramesErrors];
+
+export type TrashRemoveFramesResponses = {
+    /**
+     * Successful Response
+     */
+    204: void;
+};
+
+export type TrashRemoveFramesResponse = TrashRemoveFramesResponses[keyof TrashRemoveFramesResponses];
+
+export type TrashRestoreFramesData = {
+    body?: never;
+    path: {
+        /**
+         * Experiment Id
+         */
+        experiment_id: string;
+    };
+    query?: never;
+    url: '/api/v1/trash/frames/{experiment_id}/restore';
+};
+
+export type TrashRestoreFramesErrors = {
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Conflict
+     */
+    409: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type TrashRestoreFramesError = TrashRestoreFramesErrors[keyof TrashRestoreFramesErrors];
+
+export type TrashRestoreFramesResponses = {
+    /**
+     * Successful Response
+     */
+    200: Experiment;
+};
+
+export type TrashRestoreFramesResponse = TrashRestoreFramesResponses[keyof TrashRestoreFramesResponses];
+
+export type TrashRemoveRunData = {
+    body?: never;
+    path: {
+        /**
+         * Run Id
+         */
+        run_id: string;
+    };
+    query?: never;
+    url: '/api/v1/trash/runs/{run_id}';
+};
+
+export type TrashRemoveRunErrors = {
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Conflict
+     */
+    409: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type TrashRemoveRunError = TrashRemoveRunErrors[keyof TrashRemoveRunErrors];
+
+export type TrashRemoveRunResponses = {
+    /**
+     * Successful Response
+     */
+    204: void;
+};
+
+export type TrashRemoveRunResponse = TrashRemoveRunResponses[keyof TrashRemoveRunResponses];
+
+export type TrashRestoreRunData = {
+    body?: never;
+    path: {
+        /**
+         * Run Id
+         */
+        run_id: string;
+    };
+    query?: never;
+    url: '/api/v1/trash/runs/{run_id}/restore';
+};
+
+export type TrashRestoreRunErrors = {
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Conflict
+     */
+    409: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type TrashRestoreRunError = TrashRestoreRunErrors[keyof TrashRestoreRunErrors];
+
+export type TrashRestoreRunResponses = {
+    /**
+     * Successful Response
+     */
+    204: void;
+};
+
+export type TrashRestoreRunResponse = TrashRestoreRunResponses[keyof TrashRestoreRunResponses];

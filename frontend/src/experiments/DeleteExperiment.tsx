@@ -15,6 +15,7 @@ export function DeleteExperiment({ experiment }: { experiment: Experiment }) {
       await navigate({ to: "/" });
       cache.removeQueries({ queryKey: ["experiments", experiment.id] });
       void cache.invalidateQueries({ queryKey: ["experiments"], exact: true });
+      void cache.invalidateQueries({ queryKey: ["trash"] });
     },
   });
   return (
@@ -24,7 +25,8 @@ export function DeleteExperiment({ experiment }: { experiment: Experiment }) {
       action="Delete the experiment"
       mutation={remove}
     >
-      Its frames, {plural(experiment.n_runs, "run")} and all results are removed. This cannot be undone.
+      Its frames, {plural(experiment.n_runs, "run")} and all results go to the trash, where they take room
+      until it is emptied, and can be brought back as long.
     </ConfirmButton>
   );
 }

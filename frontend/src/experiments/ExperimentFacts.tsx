@@ -1,9 +1,10 @@
 import { Text } from "@mantine/core";
 import type { Experiment } from "../client";
 import { flatten } from "../forms/document";
+import { confirmedBy } from "../frames/confirmed";
 import { type Fact, Facts } from "../platform/Facts";
 import { plainField } from "../platform/fields";
-import { formatBytes, formatCount, formatDuration, formatTime } from "../platform/format";
+import { formatBytes, formatCount, formatDuration, formatTime, plural } from "../platform/format";
 import { Moment } from "../platform/Moment";
 import { shown } from "../runs/differing";
 
@@ -56,5 +57,8 @@ export function StackFacts({ experiment }: { experiment: Experiment }) {
       ["Duration", formatDuration(stack.duration_s)],
     );
   }
+  if (stack.confirmation) facts.push(["Confirmed", confirmedBy(stack.confirmation)]);
+  if (stack.broken_frames.length > 0)
+    facts.push(["Left out", `${plural(stack.broken_frames.length, "frame")} that cannot be read`]);
   return <Facts facts={facts} label="Stack" />;
 }

@@ -13,6 +13,7 @@ import { Loading, QueryView } from "../platform/QueryView";
 import { runsQuery } from "../runs/queries";
 import { RunTable } from "../runs/RunTable";
 import { isActive } from "../runs/states";
+import { RemoveFrames } from "../trash/RemovedFrames";
 import { useUpload } from "../uploads/uploads";
 import { DeleteExperiment } from "./DeleteExperiment";
 import { EditExperiment } from "./EditExperiment";
@@ -91,7 +92,10 @@ function Content({ experiment }: { experiment: Experiment }) {
             <Description experiment={experiment} />
             <Tags tags={tagsOf(experiment)} />
           </Panel>
-          <Panel title="Stack">
+          <Panel
+            title="Stack"
+            actions={experiment.stack.state === "ready" && <RemoveFrames experiment={experiment} />}
+          >
             <StackFacts experiment={experiment} />
           </Panel>
         </Stack>

@@ -6,6 +6,7 @@ const LOOKS: Record<Stack["state"], { colour: string; words: string }> = {
   uploading: { colour: "cyan", words: "uploading" },
   indexing: { colour: "cyan", words: "reading frames" },
   ready: { colour: "teal", words: "frames ready" },
+  expired: { colour: "gray", words: "frames removed" },
   rejected: { colour: "red", words: "frames refused" },
 };
 

@@ -1,12 +1,14 @@
 import { Alert, Button, List, Progress, Stack, Text } from "@mantine/core";
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { useEffect } from "react";
-import { type Experiment, stackDelete } from "../client";
+import { type Experiment, stackComplete, stackDelete } from "../client";
 import { ImportProgress } from "../imports/ImportProgress";
 import { ConfirmButton } from "../platform/ConfirmButton";
 import { formatBytes, formatCount, plural } from "../platform/format";
 import { Panel } from "../platform/Panel";
 import { ProblemAlert } from "../platform/ProblemAlert";
+import { toProblem } from "../platform/problem";
+import { RemovedFrames } from "../trash/RemovedFrames";
 import { MissingFiles } from "../uploads/MissingFiles";
 import { isRefused } from "../uploads/Upload";
 import { UploadProgress } from "../uploads/UploadProgress";
@@ -64,11 +66,24 @@ export function StackPanel({ experiment }: { experiment: Experiment }) {
       return (
         <Stack gap="md">
           {stack.problem && <ProblemAlert problem={stack.problem} title="These frames cannot be used" />}
-          <Panel title="Upload again" about="The refused files were removed.">
-            <AddFrames experiment={experiment} />
-          </Panel>
+          {stack.n_files > 0 ? (
+            <Panel
+              title="Correct it"
+              about={`The ${plural(stack.n_files, "file")} are kept. Change the description and have them read again, or drop what replaces the broken ones: only that is sent.`}
+              actions={<StartOver experiment={experiment} />}
+            >
+              <ReadAgain experimentId={experiment.id} />
+              <AddFrames experiment={experiment} />
+            </Panel>
+          ) : (
+            <Panel title="Upload again" about="The refused files were removed.">
+              <AddFrames experiment={experiment} />
+            </Panel>
+          )}
         </Stack>
       );
+    case "expired":
+      return <RemovedFrames experiment={experiment} />;
     case "empty":
       return (
         <Panel title="Add the frames">
@@ -113,6 +128,23 @@ function Warnings({ warnings }: { warnings: string[] }) {
         ))}
       </List>
     </Alert>
+  );
+}
+
+/** Have the files that are there read once more, as the description says now. */
+function ReadAgain({ experimentId }: { experimentId: string }) {
+  const cache = useQueryClient();
+  const read = useMutation({
+    mutationFn: async () => (await stackComplete({ path: { experiment_id: experimentId } })).data,
+    onSuccess: (changed) => cache.setQueryData(["experiments", experimentId], changed),
+  });
+  return (
+    <>
+      {read.error && <ProblemAlert problem={toProblem(read.error)} />}
+      <Button onClick={() => read.mutate()} loading={read.isPending} style={{ alignSelf: "start" }}>
+        Read the files again
+      </Button>
+    </>
   );
 }
 

@@ -2,15 +2,16 @@ import { Alert, Anchor, Checkbox, Group, Image, List, SimpleGrid, Stack, Text } 
 import { Link } from "@tanstack/react-router";
 import type { Experiment } from "../client";
 import { formatCount, formatDuration, formatNumber, plural } from "../platform/format";
+import { confirmedBy } from "./confirmed";
 import { pictureUrl } from "./pictures";
 import { frameSource, useStamp } from "./source";
 
 const SIDE_PX = 600;
 
-type FirstLookProps = { experiment: Experiment; isRight: boolean; onRight: (isRight: boolean) => void };
+type FirstLookProps = { experiment: Experiment; isPending: boolean; onRight: () => void };
 
 /** The first frames and the last, their numbering and their scale, for a person to say that this is their film. */
-export function FirstLook({ experiment, isRight, onRight }: FirstLookProps) {
+export function FirstLook({ experiment, isPending, onRight }: FirstLookProps) {
   const source = frameSource(experiment);
   const stamp = useStamp(experiment);
   if (!source) return null;
@@ -56,9 +57,11 @@ export function FirstLook({ experiment, isRight, onRight }: FirstLookProps) {
       )}
       <Group gap="md">
         <Checkbox
-          checked={isRight}
-          onChange={(event) => onRight(event.currentTarget.checked)}
+          checked={stack.confirmation != null || isPending}
+          readOnly={stack.confirmation != null || isPending}
+          onChange={onRight}
           label="Order, times and scale are right"
+          description={stack.confirmation && `Kept with the frames: ${confirmedBy(stack.confirmation)}`}
         />
         <Anchor
           fz="sm"

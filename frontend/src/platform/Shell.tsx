@@ -97,6 +97,7 @@ const PLACES = [
   },
   { to: "/compare", name: "Compare", isHere: (path: string) => path.startsWith("/compare") },
   { to: "/planning", name: "Planning", isHere: (path: string) => path.startsWith("/planning") },
+  { to: "/trash", name: "Trash", isHere: (path: string) => path.startsWith("/trash") },
 ] as const;
 
 /** The places of the service; where one is, is said to everybody. */

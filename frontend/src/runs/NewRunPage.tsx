@@ -2,7 +2,7 @@ import { Anchor, Button, Group, Stack, Text } from "@mantine/core";
 import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
 import { getRouteApi, Link, useNavigate } from "@tanstack/react-router";
 import { type FormEvent, useMemo, useRef, useState } from "react";
-import { type Experiment, runsCreate } from "../client";
+import { type Experiment, runsCreate, stackConfirm } from "../client";
 import { experimentQuery } from "../experiments/queries";
 import { check } from "../forms/check";
 import { type Document, defaultsOf } from "../forms/document";
@@ -80,8 +80,10 @@ function NewRun({ experimentId, experiment, schema, begin, origin }: NewRunProps
   const defaults = useMemo(() => defaultsOf(fields), [fields]);
   const form = useRef<HTMLFormElement>(null);
   const [document, setDocument] = useState<Document>(begin ?? defaults);
-  const isFirst = experiment?.n_runs === 0;
-  const [isRight, setRight] = useState(false);
+  const isRight = experiment?.stack.confirmation != null;
+  const [isAsked, setAsked] = useState(false);
+  if (experiment && !isRight && !isAsked) setAsked(true);
+  const confirm = useConfirm(experimentId);
   const start = useStartRun(experimentId);
   const problem = start.error ? toProblem(start.error) : null;
   const messages = { ...fieldMessages(problem), ...check(fields, document) };
@@ -118,15 +120,23 @@ function NewRun({ experimentId, experiment, schema, begin, origin }: NewRunProps
             <Button variant="default" onClick={() => change(defaults)}>
               All to defaults
             </Button>
-            <Button type="submit" loading={start.isPending} disabled={isFirst && !isRight}>
+            <Button type="submit" loading={start.isPending} disabled={!isRight}>
               Start the run
             </Button>
           </Group>
         </Group>
         {problem && <ProblemAlert problem={problem} title="The run was not started" />}
-        {experiment && isFirst && (
-          <Panel title="Is this your film?" about="Asked once, before the first run of these frames.">
-            <FirstLook experiment={experiment} isRight={isRight} onRight={setRight} />
+        {experiment && isAsked && (
+          <Panel
+            title="Is this your film?"
+            about="Asked before the first run of these frames, and again where they, their times or their scale change."
+          >
+            <FirstLook
+              experiment={experiment}
+              isPending={confirm.isPending}
+              onRight={() => confirm.mutate(experiment)}
+            />
+            {confirm.error && <ProblemAlert problem={toProblem(confirm.error)} />}
           </Panel>
         )}
         <div className="tuning">
@@ -144,6 +154,24 @@ function NewRun({ experimentId, experiment, schema, begin, origin }: NewRunProps
       </Stack>
     </form>
   );
+}
+
+/** Have the server keep that this person finds order, times and scale right. */
+function useConfirm(experimentId: string) {
+  const cache = useQueryClient();
+  return useMutation({
+    mutationFn: async ({ stack, experiment }: Experiment) => {
+      const body = {
+        checksum: stack.checksum ?? "",
+        n_frames: stack.n_frames ?? 0,
+        duration_s: stack.duration_s ?? 0,
+        pixel_size_um: Number(experiment.pixel_size_um),
+      };
+      return (await stackConfirm({ path: { experiment_id: experimentId }, body })).data;
+    },
+    onSuccess: (changed) => cache.setQueryData(["experiments", experimentId], changed),
+    onError: () => cache.invalidateQueries({ queryKey: ["experiments", experimentId], exact: true }),
+  });
 }
 
 function useStartRun(experimentId: string) {

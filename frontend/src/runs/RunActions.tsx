@@ -33,6 +33,7 @@ export function RunActions({ run }: { run: Run }) {
       await navigate({ to: "/experiments/$experimentId", params: { experimentId: run.experiment_id } });
       cache.removeQueries({ queryKey: ["runs", run.id] });
       void cache.invalidateQueries({ queryKey: ["experiments"] });
+      void cache.invalidateQueries({ queryKey: ["trash"] });
     },
   });
   const error = retry.error;
@@ -52,7 +53,8 @@ export function RunActions({ run }: { run: Run }) {
           action="Delete the run"
           mutation={remove}
         >
-          Its results are removed; the frames stay. This cannot be undone.
+          Its results go to the trash, where they take room until it is emptied, and can be brought back as
+          long. The frames stay.
         </ConfirmButton>
       )}
       <ShareRun runId={run.id} />

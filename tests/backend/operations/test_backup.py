@@ -83,7 +83,7 @@ def test_what_only_old_backups_had_goes_with_them(
     completed: Json, house: House, backed_up: Callable[..., Path], tmp_path: Path
 ) -> None:
     first = backed_up()
-    house.api.delete(f"experiments/{completed['experiment_id']}").raise_for_status()
+    house.api.delete(f"experiments/{completed['experiment_id']}", params={"forever": True}).raise_for_status()
     remove_doomed(house.context)
     first.rename(first.with_name("20200101T000000.000000Z"))
     backed_up(n_kept=1)
@@ -100,7 +100,7 @@ def test_nothing_is_removed_from_the_store_while_a_backup_copies(
     def deleting(store: ObjectStore, key: str) -> Any:
         nonlocal n_opened
         if not n_opened:
-            house.api.delete(f"experiments/{completed['experiment_id']}").raise_for_status()
+            house.api.delete(f"experiments/{completed['experiment_id']}", params={"forever": True}).raise_for_status()
             remove_doomed(house.context)
         n_opened += 1
         return copy(store, key)

@@ -3,8 +3,8 @@
 import { type InfiniteData, infiniteQueryOptions, queryOptions, type UseMutationOptions } from '@tanstack/react-query';
 
 import { client } from '../client.gen';
-import { accountEndSession, accountGet, accountPassword, accountSessions, accountUpdate, administrationGet, auditList, clockGet, comparisonFiguresGet, comparisonFiguresTable, comparisonGet, detectionsGet, dropletsGet, experimentsCreate, experimentsDelete, experimentsGet, experimentsList, experimentsMove, experimentsUpdate, exportsGet, exportsList, figuresGet, figuresList, figuresTable, filesDownload, filesList, filesUpload, flowGet, flowMapsGet, framesPicture, groupsCreate, groupsDelete, groupsGet, groupsLimit, groupsList, groupsUpdate, healthGet, importsCreate, importsLook, invitationsAccept, invitationsCreate, invitationsDelete, invitationsList, invitationsLook, linkPreviewsCreate, materialsGet, materialsGetPhaseDiagram, materialsGetViscosity, materialsList, membersList, membersRemove, membersSet, noticesList, noticesResend, type Options, peopleCreate, peopleLink, peopleList, peopleUpdate, presetsCreate, presetsDelete, presetsList, presetsUpdate, previewsCreate, qualityGet, rampsDownload, rampsGet, reportGet, resultFilesDownload, resultFilesList, runsCancel, runsCreate, runsDelete, runsGet, runsGetReuse, runsList, runsListAll, runsRetry, schemasGetExperiment, schemasGetParameters, sessionCreate, sessionDelete, sessionGet, sessionOidc, sessionOidcCallback, sharesCreate, sharesDelete, sharesList, stackComplete, stackDelete, suggestionsCreate, tailsGet, tokensCreate, tokensList, tokensRevoke, trajectoriesGet, uploadsCreate, uploadsGet, uploadsList, uploadsPlan, uploadsSend, uploadsTerminate, webhooksCreate, webhooksDelete, webhooksList, webhooksRenewSecret, webhooksTest, webhooksUpdate } from '../sdk.gen';
-import type { AccountEndSessionData, AccountEndSessionError, AccountEndSessionResponse, AccountGetData, AccountGetError, AccountGetResponse, AccountPasswordData, AccountPasswordError, AccountPasswordResponse, AccountSessionsData, AccountSessionsError, AccountSessionsResponse, AccountUpdateData, AccountUpdateError, AccountUpdateResponse, AdministrationGetData, AdministrationGetError, AdministrationGetResponse, AuditListData, AuditListError, AuditListResponse, ClockGetData, ClockGetError, ClockGetResponse, ComparisonFiguresGetData, ComparisonFiguresGetError, ComparisonFiguresGetResponse, ComparisonFiguresTableData, ComparisonFiguresTableError, ComparisonGetData, ComparisonGetError, ComparisonGetResponse, DetectionsGetData, DetectionsGetError, DetectionsGetResponse, DropletsGetData, DropletsGetError, DropletsGetResponse, ExperimentsCreateData, ExperimentsCreateError, ExperimentsCreateResponse, ExperimentsDeleteData, ExperimentsDeleteError, ExperimentsDeleteResponse, ExperimentsGetData, ExperimentsGetError, ExperimentsGetResponse, ExperimentsListData, ExperimentsListError, ExperimentsListResponse, ExperimentsMoveData, ExperimentsMoveError, ExperimentsMoveResponse, ExperimentsUpdateData, ExperimentsUpdateError, ExperimentsUpdateResponse, ExportsGetData, ExportsGetError, ExportsListData, ExportsListError, ExportsListResponse, FiguresGetData, FiguresGetError, FiguresGetResponse, FiguresListData, FiguresListError, FiguresListResponse, FiguresTableData, FiguresTableError, FilesDownloadData, FilesDownloadError, FilesListData, FilesListError, FilesListResponse, FilesUploadData, FilesUploadError, FilesUploadResponse, FlowGetData, FlowGetError, FlowGetResponse, FlowMapsGetData, FlowMapsGetError, FlowMapsGetResponse, FramesPictureData, FramesPictureError, GroupsCreateData, GroupsCreateError, GroupsCreateResponse, GroupsDeleteData, GroupsDeleteError, GroupsDeleteResponse, GroupsGetData, GroupsGetError, GroupsGetResponse, GroupsLimitData, GroupsLimitError, GroupsLimitResponse, GroupsListData, GroupsListError, GroupsListResponse, GroupsUpdateData, GroupsUpdateError, GroupsUpdateResponse, HealthGetData, HealthGetError, HealthGetResponse, ImportsCreateData, ImportsCreateError, ImportsCreateResponse, ImportsLookData, ImportsLookError, ImportsLookResponse, InvitationsAcceptData, InvitationsAcceptError, InvitationsAcceptResponse, InvitationsCreateData, InvitationsCreateError, InvitationsCreateResponse, InvitationsDeleteData, InvitationsDeleteError, InvitationsDeleteResponse, InvitationsListData, InvitationsListError, InvitationsListResponse, InvitationsLookData, InvitationsLookError, InvitationsLookResponse, LinkPreviewsCreateData, LinkPreviewsCreateError, LinkPreviewsCreateResponse, MaterialsGetData, MaterialsGetError, MaterialsGetPhaseDiagramData, MaterialsGetPhaseDiagramError, MaterialsGetPhaseDiagramResponse, MaterialsGetResponse, MaterialsGetViscosityData, MaterialsGetViscosityError, MaterialsGetViscosityResponse, MaterialsListData, MaterialsListError, MaterialsListResponse, MembersListData, MembersListError, MembersListResponse, MembersRemoveData, MembersRemoveError, MembersRemoveResponse, MembersSetData, MembersSetError, MembersSetResponse, NoticesListData, NoticesListError, NoticesListResponse, NoticesResendData, NoticesResendError, NoticesResendResponse, PeopleCreateData, PeopleCreateError, PeopleCreateResponse, PeopleLinkData, PeopleLinkError, PeopleLinkResponse, PeopleListData, PeopleListError, PeopleListResponse, PeopleUpdateData, PeopleUpdateError, PeopleUpdateResponse, PresetsCreateData, PresetsCreateError, PresetsCreateResponse, PresetsDeleteData, PresetsDeleteError, PresetsDeleteResponse, PresetsListData, PresetsListError, PresetsListResponse, PresetsUpdateData, PresetsUpdateError, PresetsUpdateResponse, PreviewsCreateData, PreviewsCreateError, PreviewsCreateResponse, QualityGetData, QualityGetError, QualityGetResponse, RampsDownloadData, RampsDownloadError, RampsGetData, RampsGetError, RampsGetResponse, ReportGetData, ReportGetError, ResultFilesDownloadData, ResultFilesDownloadError, ResultFilesListData, ResultFilesListError, ResultFilesListResponse, RunsCancelData, RunsCancelError, RunsCancelResponse, RunsCreateData, RunsCreateError, RunsCreateResponse, RunsDeleteData, RunsDeleteError, RunsDeleteResponse, RunsGetData, RunsGetError, RunsGetResponse, RunsGetReuseData, RunsGetReuseError, RunsGetReuseResponse, RunsListAllData, RunsListAllError, RunsListAllResponse, RunsListData, RunsListError, RunsListResponse, RunsRetryData, RunsRetryError, RunsRetryResponse, SchemasGetExperimentData, SchemasGetExperimentError, SchemasGetExperimentResponse, SchemasGetParametersData, SchemasGetParametersError, SchemasGetParametersResponse, SessionCreateData, SessionCreateError, SessionCreateResponse, SessionDeleteData, SessionDeleteError, SessionDeleteResponse, SessionGetData, SessionGetError, SessionGetResponse, SessionOidcCallbackData, SessionOidcCallbackError, SessionOidcCallbackResponse, SessionOidcData, SessionOidcError, SessionOidcResponse, SharesCreateData, SharesCreateError, SharesCreateResponse, SharesDeleteData, SharesDeleteError, SharesDeleteResponse, SharesListData, SharesListError, SharesListResponse, StackCompleteData, StackCompleteError, StackCompleteResponse, StackDeleteData, StackDeleteError, StackDeleteResponse, SuggestionsCreateData, SuggestionsCreateError, SuggestionsCreateResponse, TailsGetData, TailsGetError, TailsGetResponse, TokensCreateData, TokensCreateError, TokensCreateResponse, TokensListData, TokensListError, TokensListResponse, TokensRevokeData, TokensRevokeError, TokensRevokeResponse, TrajectoriesGetData, TrajectoriesGetError, TrajectoriesGetResponse, UploadsCreateData, UploadsCreateError, UploadsGetData, UploadsGetError, UploadsGetResponse, UploadsListData, UploadsListError, UploadsListResponse, UploadsPlanData, UploadsPlanError, UploadsPlanResponse, UploadsSendData, UploadsSendError, UploadsSendResponse, UploadsTerminateData, UploadsTerminateError, UploadsTerminateResponse, WebhooksCreateData, WebhooksCreateError, WebhooksCreateResponse, WebhooksDeleteData, WebhooksDeleteError, WebhooksDeleteResponse, WebhooksListData, WebhooksListError, WebhooksListResponse, WebhooksRenewSecretData, WebhooksRenewSecretError, WebhooksRenewSecretResponse, WebhooksTestData, WebhooksTestError, WebhooksTestResponse, WebhooksUpdateData, WebhooksUpdateError, WebhooksUpdateResponse } from '../types.gen';
+import { accountEndSession, accountGet, accountPassword, accountSessions, accountUpdate, administrationGet, auditList, clockGet, comparisonFiguresGet, comparisonFiguresTable, comparisonGet, detectionsGet, dropletsGet, experimentsCreate, experimentsDelete, experimentsGet, experimentsList, experimentsMove, experimentsUpdate, exportsGet, exportsList, figuresGet, figuresList, figuresTable, filesDownload, filesList, filesUpload, flowGet, flowMapsGet, framesDelete, framesPicture, groupsCreate, groupsDelete, groupsGet, groupsLimit, groupsList, groupsUpdate, healthGet, importsCreate, importsLook, invitationsAccept, invitationsCreate, invitationsDelete, invitationsList, invitationsLook, linkPreviewsCreate, materialsGet, materialsGetPhaseDiagram, materialsGetViscosity, materialsList, membersList, membersRemove, membersSet, noticesList, noticesResend, type Options, peopleCreate, peopleLink, peopleList, peopleUpdate, presetsCreate, presetsDelete, presetsList, presetsUpdate, previewsCreate, qualityGet, rampsDownload, rampsGet, reportGet, resultFilesDownload, resultFilesList, runsCancel, runsCreate, runsDelete, runsGet, runsGetReuse, runsList, runsListAll, runsRetry, schemasGetExperiment, schemasGetParameters, sessionCreate, sessionDelete, sessionGet, sessionOidc, sessionOidcCallback, sharesCreate, sharesDelete, sharesList, stackComplete, stackConfirm, stackDelete, suggestionsCreate, tailsGet, tokensCreate, tokensList, tokensRevoke, trajectoriesGet, trashEmpty, trashLook, trashRemoveExperiment, trashRemoveFrames, trashRemoveRun, trashRestoreExperiment, trashRestoreFrames, trashRestoreRun, uploadsCreate, uploadsGet, uploadsList, uploadsPlan, uploadsSend, uploadsTerminate, webhooksCreate, webhooksDelete, webhooksList, webhooksRenewSecret, webhooksTest, webhooksUpdate } from '../sdk.gen';
+import type { AccountEndSessionData, AccountEndSessionError, AccountEndSessionResponse, AccountGetData, AccountGetError, AccountGetResponse, AccountPasswordData, AccountPasswordError, AccountPasswordResponse, AccountSessionsData, AccountSessionsError, AccountSessionsResponse, AccountUpdateData, AccountUpdateError, AccountUpdateResponse, AdministrationGetData, AdministrationGetError, AdministrationGetResponse, AuditListData, AuditListError, AuditListResponse, ClockGetData, ClockGetError, ClockGetResponse, ComparisonFiguresGetData, ComparisonFiguresGetError, ComparisonFiguresGetResponse, ComparisonFiguresTableData, ComparisonFiguresTableError, ComparisonGetData, ComparisonGetError, ComparisonGetResponse, DetectionsGetData, DetectionsGetError, DetectionsGetResponse, DropletsGetData, DropletsGetError, DropletsGetResponse, ExperimentsCreateData, ExperimentsCreateError, ExperimentsCreateResponse, ExperimentsDeleteData, ExperimentsDeleteError, ExperimentsDeleteResponse, ExperimentsGetData, ExperimentsGetError, ExperimentsGetResponse, ExperimentsListData, ExperimentsListError, ExperimentsListResponse, ExperimentsMoveData, ExperimentsMoveError, ExperimentsMoveResponse, ExperimentsUpdateData, ExperimentsUpdateError, ExperimentsUpdateResponse, ExportsGetData, ExportsGetError, ExportsListData, ExportsListError, ExportsListResponse, FiguresGetData, FiguresGetError, FiguresGetResponse, FiguresListData, FiguresListError, FiguresListResponse, FiguresTableData, FiguresTableError, FilesDownloadData, FilesDownloadError, FilesListData, FilesListError, FilesListResponse, FilesUploadData, FilesUploadError, FilesUploadResponse, FlowGetData, FlowGetError, FlowGetResponse, FlowMapsGetData, FlowMapsGetError, FlowMapsGetResponse, FramesDeleteData, FramesDeleteError, FramesDeleteResponse, FramesPictureData, FramesPictureError, GroupsCreateData, GroupsCreateError, GroupsCreateResponse, GroupsDeleteData, GroupsDeleteError, GroupsDeleteResponse, GroupsGetData, GroupsGetError, GroupsGetResponse, GroupsLimitData, GroupsLimitError, GroupsLimitResponse, GroupsListData, GroupsListError, GroupsListResponse, GroupsUpdateData, GroupsUpdateError, GroupsUpdateResponse, HealthGetData, HealthGetError, HealthGetResponse, ImportsCreateData, ImportsCreateError, ImportsCreateResponse, ImportsLookData, ImportsLookError, ImportsLookResponse, InvitationsAcceptData, InvitationsAcceptError, InvitationsAcceptResponse, InvitationsCreateData, InvitationsCreateError, InvitationsCreateResponse, InvitationsDeleteData, InvitationsDeleteError, InvitationsDeleteResponse, InvitationsListData, InvitationsListError, InvitationsListResponse, InvitationsLookData, InvitationsLookError, InvitationsLookResponse, LinkPreviewsCreateData, LinkPreviewsCreateError, LinkPreviewsCreateResponse, MaterialsGetData, MaterialsGetError, MaterialsGetPhaseDiagramData, MaterialsGetPhaseDiagramError, MaterialsGetPhaseDiagramResponse, MaterialsGetResponse, MaterialsGetViscosityData, MaterialsGetViscosityError, MaterialsGetViscosityResponse, MaterialsListData, MaterialsListError, MaterialsListResponse, MembersListData, MembersListError, MembersListResponse, MembersRemoveData, MembersRemoveError, MembersRemoveResponse, MembersSetData, MembersSetError, MembersSetResponse, NoticesListData, NoticesListError, NoticesListResponse, NoticesResendData, NoticesResendError, NoticesResendResponse, PeopleCreateData, PeopleCreateError, PeopleCreateResponse, PeopleLinkData, PeopleLinkError, PeopleLinkResponse, PeopleListData, PeopleListError, PeopleListResponse, PeopleUpdateData, PeopleUpdateError, PeopleUpdateResponse, PresetsCreateData, PresetsCreateError, PresetsCreateResponse, PresetsDeleteData, PresetsDeleteError, PresetsDeleteResponse, PresetsListData, PresetsListError, PresetsListResponse, PresetsUpdateData, PresetsUpdateError, PresetsUpdateResponse, PreviewsCreateData, PreviewsCreateError, PreviewsCreateResponse, QualityGetData, QualityGetError, QualityGetResponse, RampsDownloadData, RampsDownloadError, RampsGetData, RampsGetError, RampsGetResponse, ReportGetData, ReportGetError, ResultFilesDownloadData, ResultFilesDownloadError, ResultFilesListData, ResultFilesListError, ResultFilesListResponse, RunsCancelData, RunsCancelError, RunsCancelResponse, RunsCreateData, RunsCreateError, RunsCreateResponse, RunsDeleteData, RunsDeleteError, RunsDeleteResponse, RunsGetData, RunsGetError, RunsGetResponse, RunsGetReuseData, RunsGetReuseError, RunsGetReuseResponse, RunsListAllData, RunsListAllError, RunsListAllResponse, RunsListData, RunsListError, RunsListResponse, RunsRetryData, RunsRetryError, RunsRetryResponse, SchemasGetExperimentData, SchemasGetExperimentError, SchemasGetExperimentResponse, SchemasGetParametersData, SchemasGetParametersError, SchemasGetParametersResponse, SessionCreateData, SessionCreateError, SessionCreateResponse, SessionDeleteData, SessionDeleteError, SessionDeleteResponse, SessionGetData, SessionGetError, SessionGetResponse, SessionOidcCallbackData, SessionOidcCallbackError, SessionOidcCallbackResponse, SessionOidcData, SessionOidcError, SessionOidcResponse, SharesCreateData, SharesCreateError, SharesCreateResponse, SharesDeleteData, SharesDeleteError, SharesDeleteResponse, SharesListData, SharesListError, SharesListResponse, StackCompleteData, StackCompleteError, StackCompleteResponse, StackConfirmData, StackConfirmError, StackConfirmResponse, StackDeleteData, StackDeleteError, StackDeleteResponse, SuggestionsCreateData, SuggestionsCreateError, SuggestionsCreateResponse, TailsGetData, TailsGetError, TailsGetResponse, TokensCreateData, TokensCreateError, TokensCreateResponse, TokensListData, TokensListError, TokensListResponse, TokensRevokeData, TokensRevokeError, TokensRevokeResponse, TrajectoriesGetData, TrajectoriesGetError, TrajectoriesGetResponse, TrashEmptyData, TrashEmptyError, TrashEmptyResponse, TrashLookData, TrashLookError, TrashLookResponse, TrashRemoveExperimentData, TrashRemoveExperimentError, TrashRemoveExperimentResponse, TrashRemoveFramesData, TrashRemoveFramesError, TrashRemoveFramesResponse, TrashRemoveRunData, TrashRemoveRunError, TrashRemoveRunResponse, TrashRestoreExperimentData, TrashRestoreExperimentError, TrashRestoreExperimentResponse, TrashRestoreFramesData, TrashRestoreFramesError, TrashRestoreFramesResponse, TrashRestoreRunData, TrashRestoreRunError, TrashRestoreRunResponse, UploadsCreateData, UploadsCreateError, UploadsGetData, UploadsGetError, UploadsGetResponse, UploadsListData, UploadsListError, UploadsListResponse, UploadsPlanData, UploadsPlanError, UploadsPlanResponse, UploadsSendData, UploadsSendError, UploadsSendResponse, UploadsTerminateData, UploadsTerminateError, UploadsTerminateResponse, WebhooksCreateData, WebhooksCreateError, WebhooksCreateResponse, WebhooksDeleteData, WebhooksDeleteError, WebhooksDeleteResponse, WebhooksListData, WebhooksListError, WebhooksListResponse, WebhooksRenewSecretData, WebhooksRenewSecretError, WebhooksRenewSecretResponse, WebhooksTestData, WebhooksTestError, WebhooksTestResponse, WebhooksUpdateData, WebhooksUpdateError, WebhooksUpdateResponse } from '../types.gen';
 
 export type QueryKey<TOptions extends Options> = [
     Pick<TOptions, 'baseUrl' | 'body' | 'headers' | 'path' | 'query'> & {
@@ -365,7 +365,7 @@ export const experimentsCreateMutation = (options?: Partial<Options<ExperimentsC
 /**
  * Experiments Delete
  *
- * Remove an experiment with its frames, runs and results.
+ * Put an experiment into the trash, with its frames, runs and results.
  */
 export const experimentsDeleteMutation = (options?: Partial<Options<ExperimentsDeleteData>>): UseMutationOptions<ExperimentsDeleteResponse, ExperimentsDeleteError, Options<ExperimentsDeleteData>> => {
     const mutationOptions: UseMutationOptions<ExperimentsDeleteResponse, ExperimentsDeleteError, Options<ExperimentsDeleteData>> = {
@@ -439,6 +439,25 @@ export const clockGetOptions = (options: Options<ClockGetData>) => queryOptions<
     },
     queryKey: clockGetQueryKey(options)
 });
+
+/**
+ * Stack Confirm
+ *
+ * Say that order, times and scale of the frames are right; who said it, and when, is kept with them.
+ */
+export const stackConfirmMutation = (options?: Partial<Options<StackConfirmData>>): UseMutationOptions<StackConfirmResponse, StackConfirmError, Options<StackConfirmData>> => {
+    const mutationOptions: UseMutationOptions<StackConfirmResponse, StackConfirmError, Options<StackConfirmData>> = {
+        mutationFn: async (fnOptions) => {
+            const { data } = await stackConfirm({
+                ...options,
+                ...fnOptions,
+                throwOnError: true
+            });
+            return data;
+        }
+    };
+    return mutationOptions;
+};
 
 export const filesListQueryKey = (options: Options<FilesListData>) => createQueryKey('filesList', options);
 
@@ -527,6 +546,25 @@ export const filesDownloadOptions = (options: Options<FilesDownloadData>) => que
     },
     queryKey: filesDownloadQueryKey(options)
 });
+
+/**
+ * Frames Delete
+ *
+ * Put the raw frames into the trash. Runs and results stay; new runs need the frames back.
+ */
+export const framesDeleteMutation = (options?: Partial<Options<FramesDeleteData>>): UseMutationOptions<FramesDeleteResponse, FramesDeleteError, Options<FramesDeleteData>> => {
+    const mutationOptions: UseMutationOptions<FramesDeleteResponse, FramesDeleteError, Options<FramesDeleteData>> = {
+        mutationFn: async (fnOptions) => {
+            const { data } = await framesDelete({
+                ...options,
+                ...fnOptions,
+                throwOnError: true
+            });
+            return data;
+        }
+    };
+    return mutationOptions;
+};
 
 export const framesPictureQueryKey = (options: Options<FramesPictureData>) => createQueryKey('framesPicture', options);
 
@@ -1686,7 +1724,7 @@ export const runsListAllInfiniteOptions = (options?: Options<RunsListAllData>) =
 /**
  * Runs Delete
  *
- * Remove a run that ended, with its results.
+ * Put a run that ended into the trash, with its results.
  */
 export const runsDeleteMutation = (options?: Partial<Options<RunsDeleteData>>): UseMutationOptions<RunsDeleteResponse, RunsDeleteError, Options<RunsDeleteData>> => {
     const mutationOptions: UseMutationOptions<RunsDeleteResponse, RunsDeleteError, Options<RunsDeleteData>> = {
@@ -2324,6 +2362,159 @@ export const tokensRevokeMutation = (options?: Partial<Options<TokensRevokeData>
     const mutationOptions: UseMutationOptions<TokensRevokeResponse, TokensRevokeError, Options<TokensRevokeData>> = {
         mutationFn: async (fnOptions) => {
             const { data } = await tokensRevoke({
+                ...options,
+                ...fnOptions,
+                throwOnError: true
+            });
+            return data;
+        }
+    };
+    return mutationOptions;
+};
+
+/**
+ * Trash Empty
+ *
+ * Remove for good all that lies in the trash of the groups that you may edit.
+ */
+export const trashEmptyMutation = (options?: Partial<Options<TrashEmptyData>>): UseMutationOptions<TrashEmptyResponse, TrashEmptyError, Options<TrashEmptyData>> => {
+    const mutationOptions: UseMutationOptions<TrashEmptyResponse, TrashEmptyError, Options<TrashEmptyData>> = {
+        mutationFn: async (fnOptions) => {
+            const { data } = await trashEmpty({
+                ...options,
+                ...fnOptions,
+                throwOnError: true
+            });
+            return data;
+        }
+    };
+    return mutationOptions;
+};
+
+export const trashLookQueryKey = (options?: Options<TrashLookData>) => createQueryKey('trashLook', options);
+
+/**
+ * Trash Look
+ *
+ * Look at what was deleted in your groups and is not gone yet: it still takes room.
+ */
+export const trashLookOptions = (options?: Options<TrashLookData>) => queryOptions<TrashLookResponse, TrashLookError, TrashLookResponse, ReturnType<typeof trashLookQueryKey>>({
+    queryFn: async ({ queryKey, signal }) => {
+        const { data } = await trashLook({
+            ...options,
+            ...queryKey[0],
+            signal,
+            throwOnError: true
+        });
+        return data;
+    },
+    queryKey: trashLookQueryKey(options)
+});
+
+/**
+ * Trash Remove Experiment
+ *
+ * Remove an experiment in the trash for good.
+ */
+export const trashRemoveExperimentMutation = (options?: Partial<Options<TrashRemoveExperimentData>>): UseMutationOptions<TrashRemoveExperimentResponse, TrashRemoveExperimentError, Options<TrashRemoveExperimentData>> => {
+    const mutationOptions: UseMutationOptions<TrashRemoveExperimentResponse, TrashRemoveExperimentError, Options<TrashRemoveExperimentData>> = {
+        mutationFn: async (fnOptions) => {
+            const { data } = await trashRemoveExperiment({
+                ...options,
+                ...fnOptions,
+                throwOnError: true
+            });
+            return data;
+        }
+    };
+    return mutationOptions;
+};
+
+/**
+ * Trash Restore Experiment
+ *
+ * Bring an experiment back with all that belongs to it.
+ */
+export const trashRestoreExperimentMutation = (options?: Partial<Options<TrashRestoreExperimentData>>): UseMutationOptions<TrashRestoreExperimentResponse, TrashRestoreExperimentError, Options<TrashRestoreExperimentData>> => {
+    const mutationOptions: UseMutationOptions<TrashRestoreExperimentResponse, TrashRestoreExperimentError, Options<TrashRestoreExperimentData>> = {
+        mutationFn: async (fnOptions) => {
+            const { data } = await trashRestoreExperiment({
+                ...options,
+                ...fnOptions,
+                throwOnError: true
+            });
+            return data;
+        }
+    };
+    return mutationOptions;
+};
+
+/**
+ * Trash Remove Frames
+ *
+ * Remove the raw frames in the trash for good; results stay.
+ */
+export const trashRemoveFramesMutation = (options?: Partial<Options<TrashRemoveFramesData>>): UseMutationOptions<TrashRemoveFramesResponse, TrashRemoveFramesError, Options<TrashRemoveFramesData>> => {
+    const mutationOptions: UseMutationOptions<TrashRemoveFramesResponse, TrashRemoveFramesError, Options<TrashRemoveFramesData>> = {
+        mutationFn: async (fnOptions) => {
+            const { data } = await trashRemoveFrames({
+                ...options,
+                ...fnOptions,
+                throwOnError: true
+            });
+            return data;
+        }
+    };
+    return mutationOptions;
+};
+
+/**
+ * Trash Restore Frames
+ *
+ * Bring the raw frames of an experiment back.
+ */
+export const trashRestoreFramesMutation = (options?: Partial<Options<TrashRestoreFramesData>>): UseMutationOptions<TrashRestoreFramesResponse, TrashRestoreFramesError, Options<TrashRestoreFramesData>> => {
+    const mutationOptions: UseMutationOptions<TrashRestoreFramesResponse, TrashRestoreFramesError, Options<TrashRestoreFramesData>> = {
+        mutationFn: async (fnOptions) => {
+            const { data } = await trashRestoreFrames({
+                ...options,
+                ...fnOptions,
+                throwOnError: true
+            });
+            return data;
+        }
+    };
+    return mutationOptions;
+};
+
+/**
+ * Trash Remove Run
+ *
+ * Remove a run in the trash for good.
+ */
+export const trashRemoveRunMutation = (options?: Partial<Options<TrashRemoveRunData>>): UseMutationOptions<TrashRemoveRunResponse, TrashRemoveRunError, Options<TrashRemoveRunData>> => {
+    const mutationOptions: UseMutationOptions<TrashRemoveRunResponse, TrashRemoveRunError, Options<TrashRemoveRunData>> = {
+        mutationFn: async (fnOptions) => {
+            const { data } = await trashRemoveRun({
+                ...options,
+                ...fnOptions,
+                throwOnError: true
+            });
+            return data;
+        }
+    };
+    return mutationOptions;
+};
+
+/**
+ * Trash Restore Run
+ *
+ * Bring a run back with its results.
+ */
+export const trashRestoreRunMutation = (options?: Partial<Options<TrashRestoreRunData>>): UseMutationOptions<TrashRestoreRunResponse, TrashRestoreRunError, Options<TrashRestoreRunData>> => {
+    const mutationOptions: UseMutationOptions<TrashRestoreRunResponse, TrashRestoreRunError, Options<TrashRestoreRunData>> = {
+        mutationFn: async (fnOptions) => {
+            const { data } = await trashRestoreRun({
                 ...options,
                 ...fnOptions,
                 throwOnError: true
