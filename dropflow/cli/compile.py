@@ -15,12 +15,15 @@ def compile() -> None:  # noqa: A001 - the command's name
     It analyses a small simulated film by each method. What was compiled is kept beside the code, or in the folder that
     NUMBA_CACHE_DIR names, and used until the code or the processor changes.
     """
+    import numpy as np
+
     from dropflow import analysis
     from dropflow.detection import make_detector
     from dropflow.detection.preview import preview
     from dropflow.experiment import load_experiment
     from dropflow.frames import Choice, open_frames
     from dropflow.parameters import Parameters, parse_parameters
+    from dropflow.preprocess.stripes import Direction, Stripes, remove_stripes
     from dropflow.simulation.film import Film
     from dropflow.simulation.scenario import changed, named_scenario
     from dropflow.simulation.write import write_experiment
@@ -37,6 +40,9 @@ def compile() -> None:  # noqa: A001 - the command's name
             with open_frames(film.source, Choice.of(experiment)) as frames:
                 preview(frames[0], make_detector(experiment, knobs, film.measured))
                 suggest(frames, experiment)
+    # The film has none.
+    for direction in (Direction.ROWS, Direction.COLUMNS):
+        remove_stripes(np.zeros((2048, 2048), np.float32), Stripes(direction, 1.0))
     typer.echo("Everything is compiled.")
 
 
