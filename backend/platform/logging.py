@@ -7,7 +7,7 @@ import structlog
 
 from backend.platform.tracing import with_trace
 
-_THEIR_OWN = ("uvicorn", "uvicorn.access")
+_THEIR_OWN = ("uvicorn",)
 """Loggers that bring a form of their own."""
 
 

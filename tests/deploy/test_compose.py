@@ -58,6 +58,15 @@ def test_only_the_door_is_published_and_by_default_to_this_machine_alone() -> No
     assert all(port.startswith("${BIND:-127.0.0.1}:") for port in published["proxy"])
 
 
+def test_a_backup_keeps_secrets_and_settings_where_the_guide_looks_for_them() -> None:
+    backup = SERVICES["backup"]
+    kept = {part.removeprefix("--configuration=") for part in backup["command"] if part.startswith("--configuration=")}
+    mounted = {volume.split(":")[1] for volume in backup["volumes"] if volume.endswith(":ro")}
+    assert kept == mounted
+    guide = (ROOT / "docs" / "how-to" / "lab-server.md").read_text()
+    assert all(f"NEWEST/configuration/{Path(path).name}" in guide for path in kept)
+
+
 def test_secrets_are_made_once_and_stay(tmp_path: Path) -> None:
     def make() -> dict[str, str]:
         subprocess.run([ROOT / "deploy" / "compose-secrets", tmp_path / "secrets"], check=True, capture_output=True)
