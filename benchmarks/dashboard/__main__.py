@@ -5,6 +5,7 @@ Printed: seconds until the page stands there whole, in a browser that has seen n
 the beginning of each action to the last change that followed it.
 """
 
+import os
 import sys
 import tempfile
 from pathlib import Path
@@ -49,6 +50,9 @@ def main(n_frames: int, n_droplets: int) -> int:
 
 def measure(address: str) -> int:
     """Open it three times, then do what people do."""
+    print(
+        f"load of the machine before: {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores (times hold where it is idle)"
+    )
     with browser() as window:
         opened(window, address)[0].close()  # what the service itself loads at its first use is not the page's
         times_s = []

@@ -12,7 +12,7 @@ from playwright.sync_api import Page, expect
 from tests.e2e.browser import drop, serious_findings
 from tests.e2e.film import TARGET, describe_film
 
-pytestmark = [pytest.mark.e2e, pytest.mark.slow, pytest.mark.timeout(600)]
+pytestmark = [pytest.mark.e2e, pytest.mark.slow, pytest.mark.timeout(900)]
 
 MINUTES = 60_000
 TABS = ("Sizes", "Droplets", "Flow", "Over time", "Figures", "Quality", "Numbers and parameters", "Downloads")
@@ -53,7 +53,7 @@ def _tune(page: Page) -> None:
     page.get_by_role("link", name="New run").first.click()
     page.get_by_label("Order, times and scale are right").check()
     # Nobody warmed the workers up.
-    expect(page.get_by_text(re.compile("candidates? rejected, looked at in"))).to_be_visible(timeout=MINUTES)
+    expect(page.get_by_text(re.compile("candidates? rejected, looked at in"))).to_be_visible(timeout=3 * MINUTES)
     before = page.get_by_label(re.compile("^Preview of frame 0")).get_attribute("aria-label")
     radius = page.get_by_role("textbox", name=re.compile("^Radius min"))
     radius.fill("12")

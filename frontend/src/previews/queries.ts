@@ -1,8 +1,14 @@
 import { queryOptions } from "@tanstack/react-query";
 import { linkPreviewsCreate, previewsCreate, type Region } from "../client";
 import type { Document } from "../forms/document";
+import { ProblemError } from "../platform/problem";
 
 const KEEP_MS = 60_000;
+
+/** Workers that begin, or have much to do, are asked again; what is wrong stays wrong. */
+export function isLate(n_failures: number, error: Error): boolean {
+  return n_failures < 3 && error instanceof ProblemError && error.problem.code === "preview.late";
+}
 
 /** What detection finds with some parameters; without a region in the whole frame. */
 export function previewQuery(
@@ -19,7 +25,7 @@ export function previewQuery(
       (await previewsCreate({ path: { experiment_id: experimentId }, body, signal })).data,
     staleTime: Number.POSITIVE_INFINITY,
     gcTime: KEEP_MS,
-    retry: false,
+    retry: isLate,
   });
 }
 
@@ -31,6 +37,6 @@ export function linkPreviewQuery(experimentId: string, frame: number, parameters
       (await linkPreviewsCreate({ path: { experiment_id: experimentId }, body, signal })).data,
     staleTime: Number.POSITIVE_INFINITY,
     gcTime: KEEP_MS,
-    retry: false,
+    retry: isLate,
   });
 }

@@ -14,6 +14,7 @@ import {
   trajectoriesGet,
 } from "../client";
 import { ProblemError } from "../platform/problem";
+import { isLate } from "../previews/queries";
 import { isActive } from "../runs/states";
 import type { Asked } from "./asked";
 import { type Availability, availability, stagesOf } from "./availability";
@@ -87,7 +88,7 @@ export function detectionQuery(run: Run, frame: number, is_picture_wanted: boole
     gcTime: KEEP_MS,
     staleTime: Number.POSITIVE_INFINITY,
     structuralSharing: false,
-    retry: false,
+    retry: isLate,
   });
 }
 
