@@ -61,6 +61,9 @@ describe("formatAgo", () => {
     ["2026-03-10T09:00:00Z", "3 h ago"],
     ["2026-03-08T12:00:00Z", "2 days ago"],
     ["2025-12-24T12:00:00Z", "24 Dec 2025"],
+    ["2026-03-10T12:05:00Z", "in 5 min"],
+    ["2026-03-11T12:00:00Z", "in 1 day"],
+    ["2026-06-08T12:00:00Z", "8 Jun 2026"],
   ])("says of %s: %s", (time, text) => {
     expect(formatAgo(time, now)).toBe(text);
   });

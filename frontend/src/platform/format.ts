@@ -76,14 +76,21 @@ export function formatDuration(duration_s: number | null | undefined): string {
     .join(" ");
 }
 
-/** `just now`, `5 min ago`, `3 h ago`, `2 days ago`; past a month the date alone tells more. */
+/** `just now`, `5 min ago`, `in 3 h`, `2 days ago`; past a month the date alone tells more. */
 export function formatAgo(time: string, now_ms: number): string {
-  const age_s = Math.max(0, (now_ms - Date.parse(time)) / 1000);
-  if (age_s < 45) return "just now";
-  if (age_s < 3600) return `${Math.max(1, Math.round(age_s / 60))} min ago`;
-  if (age_s < 86400) return `${Math.round(age_s / 3600)} h ago`;
-  const days = Math.round(age_s / 86400);
-  return days <= 30 ? `${days} day${days === 1 ? "" : "s"} ago` : formatDate(time);
+  const age_s = (now_ms - Date.parse(time)) / 1000;
+  const away_s = Math.abs(age_s);
+  if (away_s < 45) return "just now";
+  const days = Math.round(away_s / 86400);
+  if (days > 30) return formatDate(time);
+  const far = farAway(away_s, days);
+  return age_s > 0 ? `${far} ago` : `in ${far}`;
+}
+
+function farAway(away_s: number, days: number): string {
+  if (away_s < 3600) return `${Math.max(1, Math.round(away_s / 60))} min`;
+  if (away_s < 86400) return `${Math.round(away_s / 3600)} h`;
+  return `${days} day${days === 1 ? "" : "s"}`;
 }
 
 export function formatDate(time: string): string {
