@@ -111,7 +111,7 @@ def test_processes_of_their_own_send_traces_and_name_the_run_in_their_logs(
         lines = [line for file in service.logs.glob("worker*.log") for line in _json_lines(file)]
         told = [line for line in lines if line.get("event") == "shard left" and line.get("run") == run["id"]]
         assert {"shard", "experiment", "task", "trace"} <= told[0].keys()
-        asked_lines = [line for file in service.logs.glob("API*.log") for line in _json_lines(file)]
+        asked_lines = [line for file in service.logs.glob("api*.log") for line in _json_lines(file)]
         assert any(
             line.get("event") == "request" and line.get("experiment") == experiment["id"] for line in asked_lines
         )
