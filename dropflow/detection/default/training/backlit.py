@@ -19,8 +19,11 @@ _SEED = 0xB1
 _N_ARC = 64
 _HALO_AT, _HALO_WIDTH = 1.08, 0.08
 """Radii."""
-_MOST_HIDDEN_VISIBLE, _MOST_HIDDEN = 0.55, 0.85
-_LEAST_VISIBLE_DEPTH, _LEAST_DEPTH = 0.12, 0.06
+_MOST_HIDDEN_VISIBLE, _MOST_HIDDEN = 0.7, 0.9
+_LEAST_VISIBLE_DEPTH, _LEAST_DEPTH = 0.22, 0.12
+"""Of the light around: grey discs far from the focal plane are what people leave out."""
+_TOUCHING = 0.95, 1.1
+"""Bubbles of a cluster keep this distance, over the sum of their radii."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +79,11 @@ def _drawn(rng: np.random.Generator) -> _Bubbles:
     n = int(np.exp(rng.uniform(np.log(80), np.log(1200))))
     # Most are small, as breaking bubbles are; the rarest giants are left out.
     typical, breadth = np.exp(rng.uniform(np.log(1.5), np.log(8.0))), rng.uniform(0.5, 1.0)
-    r = np.clip(typical * np.exp(breadth * rng.standard_normal(n)), 1.0, np.exp(rng.uniform(np.log(12), np.log(75))))
+    r = np.clip(typical * np.exp(breadth * rng.standard_normal(n)), 1.0, np.exp(rng.uniform(np.log(12), np.log(100))))
+    if rng.random() < 0.4:
+        r[: int(rng.integers(2, 12))] = rng.uniform(15, 100)
+        r *= np.where(r > 15, rng.uniform(0.6, 1.2, n), 1.0)
+    r = rng.permutation(r)
     # No more of them than cover the frame about once.
     r = r[np.cumsum(np.pi * r**2) < rng.uniform(0.1, 2.0) * SIDE_PX**2]
     n = len(r)
@@ -84,10 +91,11 @@ def _drawn(rng: np.random.Generator) -> _Bubbles:
     defocus = np.abs(rng.standard_normal(n)) * rng.uniform(0.3, 4.0) * (rng.random(n) < rng.uniform(0.2, 0.8))
     order = np.argsort(-r)
     r = r[order]
+    x, y = _clustered(rng, r)
     most_stretch = 1.06 + np.clip((r - 6) / 30, 0, 1) * rng.uniform(0.05, 0.5)
     return _Bubbles(
-        x=rng.uniform(-10, SIDE_PX + 10, n),
-        y=rng.uniform(-10, SIDE_PX + 10, n),
+        x=x,
+        y=y,
         r=r,
         defocus=defocus,
         blur=np.hypot(lens_px, defocus),
@@ -99,6 +107,19 @@ def _drawn(rng: np.random.Generator) -> _Bubbles:
         stretch=1 + (most_stretch - 1) * rng.uniform(0, 1, n),
         angle=rng.uniform(0, np.pi, n),
     )
+
+
+def _clustered(rng: np.random.Generator, r: Column) -> tuple[Column, Column]:
+    """Places all over the frame; in some scenes many bubbles touch one that is larger, as they do in foams."""
+    x, y = rng.uniform(-10, SIDE_PX + 10, (2, len(r)))
+    share = rng.choice([0.0, 0.2, 0.6])
+    for i in range(1, len(r)):
+        if rng.random() < share:
+            # Radii fall: any before is larger; the largest are chosen most.
+            other = int(i * rng.random() ** 2)
+            angle, apart = rng.uniform(0, 2 * np.pi), rng.uniform(*_TOUCHING) * (r[i] + r[other])
+            x[i], y[i] = x[other] + apart * np.cos(angle), y[other] + apart * np.sin(angle)
+    return x, y
 
 
 def _lamp(rng: np.random.Generator) -> Image:
