@@ -12,14 +12,17 @@ from benchmarks.tracking.films import SHAPE, simulated
 from benchmarks.tracking.given import Given, true_droplets
 from benchmarks.tracking.limited import within
 from benchmarks.tracking.scores import DEFAULT, PAPER
+from dropflow.analysis import detect, open_film
 from dropflow.droplets import Droplets
-from dropflow.experiment import Experiment, parse_experiment
+from dropflow.experiment import Experiment, load_experiment, parse_experiment
+from dropflow.frames import Choice, open_frames
 from dropflow.parameters import Parameters
+from dropflow.pipeline import track_film as track_images
 from dropflow.progress import silent
 from dropflow.tracking.film import Film
 from dropflow.tracking.track import track_film
 
-_FIRST_FRAMES = 12
+_FIRST_FRAMES = _IMAGE_FRAMES = 12
 _LIMIT_S = 60
 """After which a peer is not waited for any longer."""
 SIZES = (500, 2000, 8000, 20_000)
@@ -42,6 +45,24 @@ def seconds_of_trackpy(given: Given) -> float:
     start = time.process_time()
     trackpy.link(droplets, 0.5 * given.spacing_px)
     return time.process_time() - start
+
+
+def print_images(scratch: Path, n_frames: int) -> None:
+    """The sequential stage with its images, of films whose droplets were detected before."""
+    print(f"\nTracking with images of 5 megapixels, {n_frames} frames, forward and back")
+    for name in ("fast", "dirty"):
+        film = simulated(scratch, name, 5, n_frames, with_images=True)
+        experiment, parameters = load_experiment(film / "experiment.yaml"), Parameters()
+        opened = open_film(film / "frames", experiment, parameters, beside=film)
+        table = film / "droplets.parquet"
+        detect(opened, table, n_processes=1)
+        with open_frames(opened.source, Choice.of(experiment)) as frames:
+            cpu, wall = time.process_time(), time.perf_counter()
+            track_images(
+                frames, opened.index, experiment, parameters, opened.measured, droplets=table, folder=film / "results"
+            )
+        cpu, wall = time.process_time() - cpu, time.perf_counter() - wall
+        print(f"  {name:<6} {n_frames / cpu:5.1f} frames a CPU second, {n_frames / wall:5.1f} frames/s", flush=True)
 
 
 def first(given: Given, n_frames: int) -> Given:
@@ -71,7 +92,7 @@ def _still_water() -> Experiment:
 
 
 def print_table(scratch: Path, n_frames: int) -> None:
-    """All three questions."""
+    """Linking beside trackpy, growth with the number of droplets, and the stage with its images."""
     given = true_droplets(simulated(scratch, "fast", 5, n_frames, with_images=False), SHAPE)
     for warm in (
         lambda: seconds(first(given, _FIRST_FRAMES), DEFAULT),
@@ -96,3 +117,4 @@ def print_table(scratch: Path, n_frames: int) -> None:
             print("trackpy SubnetOversize", flush=True)
         else:
             print(f"trackpy {f'not ended in {_LIMIT_S} s' if reference is None else f'{reference:.2f}'}", flush=True)
+    print_images(scratch, _IMAGE_FRAMES)

@@ -59,8 +59,10 @@ class Detector(Protocol):
         """Find the droplets of a prepared frame."""
         ...
 
-    def find_near(self, image: Image, predicted: Droplets) -> tuple[Droplets, npt.NDArray[np.bool_]]:
+    def find_near(self, image: Image, predicted: Droplets, known: Droplets) -> tuple[Droplets, npt.NDArray[np.bool_]]:
         """Look for one droplet near each prediction (x, y, r), as tracking does where detection missed one.
+
+        `known` is what `detect` found in this frame: a detector may take it for granted. It may be empty.
 
         Returns the best local droplets, as many as predictions, and whether each is good enough to be one.
         """

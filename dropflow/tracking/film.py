@@ -97,7 +97,7 @@ class Film:
         prepared.expect(frame, then)
 
         def look(predicted: Droplets) -> tuple[Droplets, npt.NDArray[np.bool_]]:
-            return detector.find_near(prepared.get(frame), predicted)
+            return detector.find_near(prepared.get(frame), predicted, self.detected(frame))
 
         return look
 

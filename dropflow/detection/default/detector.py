@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from dropflow.detection.contract import Detection, Frame, Image, Rejected, Step
 from dropflow.detection.default.features import MATCH
-from dropflow.detection.default.looks import FirstLook, first_look, look_near, second_look
+from dropflow.detection.default.looks import FirstLook, at_droplets, first_look, look_at_known, look_near, second_look
 from dropflow.detection.default.model import Model, default_model, probability_of
 from dropflow.detection.default.predictions import best_near
 from dropflow.detection.default.sightings import Sightings
@@ -22,6 +22,8 @@ ACCEPTED = 0.45
 """Droplets are at least this likely; about half of the best F1, which is where that is reached."""
 ACCEPTED_NEAR = 0.2
 """The same where one was predicted."""
+_ENOUGH_KNOWN = 20
+"""With fewer known droplets the frame is looked at anew, or it would not be known what is usual in it."""
 _LEAST_STD_PX = 0.02
 _WORTH_MEASURING, _WIDE = 0.1, 0.3
 
@@ -72,10 +74,15 @@ class DefaultDetector:
             droplets[~is_bad], Rejected(droplets[is_bad], tuple(str(reason) for reason in reasons[is_bad]))
         )
 
-    def find_near(self, image: Image, predicted: Droplets) -> tuple[Droplets, Flags]:
+    def find_near(self, image: Image, predicted: Droplets, known: Droplets) -> tuple[Droplets, Flags]:
         """Fit at each prediction beside the droplets that are sure, and take what is likely and like it."""
-        first = first_look(image, self.model, r_min_px=self.r_min_px, r_max_px=self.r_max_px)
-        places = Sightings.unmeasured(predicted.x_px, predicted.y_px, predicted.r_px)
+        if not len(predicted):
+            return Droplets.empty(), np.empty(0, bool)
+        places = at_droplets(predicted)
+        if len(known) < _ENOUGH_KNOWN:
+            first = first_look(image, self.model, r_min_px=self.r_min_px, r_max_px=self.r_max_px)
+        else:
+            first = look_at_known(image, known, places, self.model, r_min_px=self.r_min_px, r_max_px=self.r_max_px)
         seen = look_near(image, first, self.model, places, r_min_px=self.r_min_px, r_max_px=self.r_max_px)
         found, is_near = best_near(self._measured(seen), predicted)
         return found, is_near & (found.probability >= ACCEPTED_NEAR) & self._is_looked_for(found)

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+from scipy.spatial import cKDTree
 
 from dropflow.detection.default.candidates import find_candidates
 from dropflow.detection.default.closer import NO_OWN, NO_PROFILES, look_closer
@@ -15,6 +16,7 @@ from dropflow.detection.default.pyramid import Level, pyramid
 from dropflow.detection.default.rays import N_PROFILE
 from dropflow.detection.default.sightings import Rows, Sightings
 from dropflow.detection.default.usual import Usual, relate_to_frame, usual_of
+from dropflow.droplets import Droplets
 from dropflow.preprocess import noise_level
 
 Image = npt.NDArray[np.float32]
@@ -23,6 +25,7 @@ Column = npt.NDArray[np.float64]
 FIRST_FINEST_PX, SECOND_FINEST_PX = 10.4, 5.2
 """The second look works at half the size: what is left then stands apart."""
 LEAST_VOTES = 0.22
+_CLEAR_VOTES = 0.5
 SURE = 0.5
 """Probability from which the first look's droplets are explained away."""
 DOUBTFUL = 0.1
@@ -34,6 +37,9 @@ _MOST_BATCHES = 12
 _TRAINING_BATCHES = 3
 _N_ITERATIONS, _N_FROM_AFAR = 2, 3
 """Votes and first looks are near enough that fits begin with the second of the three iterations; predictions not."""
+_LEAST_ODDS = 1e-5
+_NEAR = 4.0
+"""Droplets farther from all predictions than this many of the largest radii change nothing that is measured there."""
 _MOST_SPREAD = 0.25
 _LEAST_SHARE, _MOST_SHARE = 0.6, 1.25
 """Fitted edges may leave the range of radii looked for this far: the true radius is another one."""
@@ -63,6 +69,32 @@ def first_look(image: Image, model: Model | None, *, r_min_px: float, r_max_px: 
     return FirstLook(look.noise, look.usual or usual_of(seen.features, image, look.noise), seen)
 
 
+def at_droplets(droplets: Droplets) -> Sightings:
+    """Where droplets are known or predicted to be. Nobody voted for them: they get the votes of clear droplets."""
+    votes = np.full(len(droplets), _CLEAR_VOTES)
+    return Sightings.unmeasured(droplets.x_px, droplets.y_px, droplets.r_px, votes)
+
+
+def look_at_known(
+    image: Image, known: Droplets, places: Sightings, model: Model, *, r_min_px: float, r_max_px: float
+) -> FirstLook:
+    """As `first_look`, but at droplets that were found in this frame before, and at these places.
+
+    Radii of `Droplets` are those of the model, not those of the edges, so known droplets are fitted again. They also
+    say what is usual in the frame. What is left is what may matter to a droplet at one of the places.
+    """
+    look = _Look(pyramid(image, r_max_px), noise_level(image), r_min_px, r_max_px, usual=None)
+    start = at_droplets(known)
+    start.first_log_odds[:] = log_odds_of(np.clip(known.probability, _LEAST_ODDS, 1 - _LEAST_ODDS))
+    again = look.closer(start)
+    new = look.closer(places, n_iterations=_N_FROM_AFAR)
+    new.first_log_odds[:] = model.first.predict(new.features)
+    both = again.followed_by(new)
+    nearest, _ = cKDTree(places.circles()[:, :2]).query(both.circles()[:, :2])
+    usual = look.usual or usual_of(again.features, image, look.noise)
+    return FirstLook(look.noise, usual, both[nearest <= _NEAR * r_max_px])
+
+
 def second_look(image: Image, first: FirstLook, model: Model, *, r_min_px: float, r_max_px: float) -> Sightings:
     """Explain the sure droplets away, fit each again beside the others, and find what they hid.
 
@@ -76,7 +108,7 @@ def second_look(image: Image, first: FirstLook, model: Model, *, r_min_px: float
 def look_near(
     image: Image, first: FirstLook, model: Model, places: Sightings, *, r_min_px: float, r_max_px: float
 ) -> Sightings:
-    """As `second_look`, but beside the sure droplets only what is at these places (of which no feature is known)."""
+    """As `second_look`, but beside the sure droplets only what is at these places."""
     rest = _Rest.of(image, first, model, r_min_px=r_min_px, r_max_px=r_max_px)
     return rest.with_sure(rest.look.closer(places, n_iterations=_N_FROM_AFAR))
 

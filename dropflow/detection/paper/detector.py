@@ -103,7 +103,12 @@ class PaperDetector:
         found.append(find_by_watershed(small, maxima_height=height, r_min_px=r_min_px, r_max_px=r_max_px))
         return Circles.concatenate(found).enlarged(factor)
 
-    def find_near(self, image: Image, predicted: Droplets) -> tuple[Droplets, Flags]:
+    def find_near(
+        self,
+        image: Image,
+        predicted: Droplets,
+        known: Droplets,  # noqa: ARG002 - the paper climbs from the prediction alone
+    ) -> tuple[Droplets, Flags]:
         """Climb from each prediction to the best match near it (section 3.3.1).
 
         It is taken for the predicted droplet when its match is above the minimum, it lies within `search_walk`

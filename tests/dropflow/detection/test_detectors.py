@@ -190,7 +190,8 @@ def test_a_droplet_is_found_near_its_prediction(method, disc):
     frame = draw(ISOLATED)
     detector = detector_for(frame, method=method)
     x, y, r = disc
-    found, is_good = detector.find_near(detector.prepare(frame), predicted(x + 0.3 * r, y - 0.2 * r, 1.1 * r))
+    known = detector.detect(detector.prepare(frame)).droplets
+    found, is_good = detector.find_near(detector.prepare(frame), predicted(x + 0.3 * r, y - 0.2 * r, 1.1 * r), known)
     assert is_good.tolist() == [True]
     assert np.hypot(found.x_px[0] - x, found.y_px[0] - y) < 0.5
     assert 0.8 < found.r_px[0] / r < 1.15
@@ -205,7 +206,7 @@ def test_a_droplet_is_found_near_its_prediction(method, disc):
 def test_no_droplet_is_found_where_none_like_the_predicted_is(method, prediction):
     frame = draw(ISOLATED)
     detector = detector_for(frame, method=method)
-    found, is_good = detector.find_near(detector.prepare(frame), predicted(*prediction))
+    found, is_good = detector.find_near(detector.prepare(frame), predicted(*prediction), Droplets.empty())
     assert is_good.tolist() == [False]
     assert np.isfinite(as_rows(found)).all()
     assert np.isfinite(found.match).all()
@@ -214,5 +215,27 @@ def test_no_droplet_is_found_where_none_like_the_predicted_is(method, prediction
 @METHODS
 def test_no_prediction_gives_no_droplet(method):
     detector = detector_for(draw(ISOLATED), method=method)
-    found, is_good = detector.find_near(detector.prepare(draw(ISOLATED)), Droplets.empty())
+    found, is_good = detector.find_near(detector.prepare(draw(ISOLATED)), Droplets.empty(), Droplets.empty())
     assert len(found) == len(is_good) == 0
+
+
+@METHODS
+def test_droplets_beside_known_ones_are_found_as_well_as_without_knowing(method):
+    """Of many droplets in pairs that overlap one is not known: it is found near its prediction all the same."""
+    rng = np.random.default_rng(0)
+    discs = [(60 + 90 * k, 60 + 90 * n, rng.uniform(9, 14)) for k in range(5) for n in range(5)]
+    discs += [(x + 1.5 * r, y, 0.9 * r) for x, y, r in discs[1:]]
+    frame = draw(discs, shape=(480, 480))
+    detector = detector_for(frame, method=method)
+    image = detector.prepare(frame)
+    known = detector.detect(image).droplets
+    is_known = np.hypot(known.x_px - discs[12][0], known.y_px - discs[12][1]) > 5
+    known = known[is_known]
+    assert len(known) > 20
+    x, y, r = discs[12]
+    for some in (known, Droplets.empty()):
+        found, is_good = detector.find_near(image, predicted(x + 2, y - 2, r), some)
+        assert is_good.tolist() == [True]
+        assert np.hypot(found.x_px[0] - x, found.y_px[0] - y) < 0.1 * r
+    nowhere = predicted(105.0, 105.0, 10.0)
+    assert not detector.find_near(image, nowhere, known)[1].any()
