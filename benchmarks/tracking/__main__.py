@@ -5,7 +5,7 @@ truth        with the true droplets given (0.15 px and 3 % of the radius off), b
 sweep        the same for ever longer intervals between frames: spacing over displacement from 4 to 0.3
 flows        broader spectra of the flow, and droplets that drag the fluid along (true droplets)
 convection   exact paths of a direct numerical simulation with Stokes drift, true droplets and images
-material     drho / eta wrong by 30 % either way (true droplets)
+material     drho / eta wrong by 30 % either way (true droplets), and what the velocities say of it
 coalescence  claimed and true coalescences (true droplets, every second pair that touches joins)
 speed        seconds of linking with flow, beside trackpy; growth with the number of droplets; images at 5 megapixels
 
@@ -20,6 +20,7 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pyarrow.parquet as pq
 
 from benchmarks.tracking import coalescence, speed
@@ -32,6 +33,8 @@ from dropflow.frames import Choice, open_frames
 from dropflow.parameters import Method, Parameters, TrackingMethod, parse_parameters
 from dropflow.pipeline import track_film
 from dropflow.simulation.scenario import SCENARIOS
+from dropflow.statistics.calibration import self_calibration
+from dropflow.statistics.trajectories import open_trajectories, summarise_trajectories
 
 TABLES = ("images", "truth", "sweep", "flows", "convection", "material", "coalescence", "speed")
 REAL_DATA = Path(os.environ.get("DROPFLOW_REAL_DATA", "../shared/data"))
@@ -123,8 +126,29 @@ def print_material(scratch: Path, seed: int, n_frames: int, names: list[str]) ->
             material = given.experiment.material.model_copy(update={"delta_density_kg_m3": wrong})
             experiment = given.experiment.model_copy(update={"material": material})
             off = Given(given.film, given.droplets, experiment, given.shape)
-            row = dropflow_scores(off, DEFAULT, scratch / f"material-{name}-{share:g}")
-            print(row.row(name, f"dropflow, drho/eta x {share:g}"), flush=True)
+            results = scratch / f"material-{name}-{share:g}"
+            print(dropflow_scores(off, DEFAULT, results).row(name, f"dropflow, drho/eta x {share:g}"))
+            print(f"    calibration finds {_calibrated(results, off)} times the true drho/eta", flush=True)
+
+
+def _calibrated(results: Path, given: Given) -> str:
+    """What the velocities in a table of trajectories say of the true material, and the standard error."""
+    path = results / "trajectories.parquet"
+    experiment = given.experiment
+    true = load_experiment(given.film / "experiment.yaml").material
+    assert isinstance(true, FixedMaterial)
+    assert isinstance(experiment.material, FixedMaterial)
+    assumed = experiment.material.delta_density_kg_m3 / experiment.material.viscosity_pa_s
+    found = self_calibration(
+        path,
+        summarise_trajectories(open_trajectories(path), experiment.up),
+        experiment.up,
+        field_um=(given.shape[1] * experiment.pixel_size_um, given.shape[0] * experiment.pixel_size_um),
+        density_over_viscosity_s_m2=np.full(len(given.droplets), assumed),
+    )
+    per_true = true.viscosity_pa_s / true.delta_density_kg_m3
+    value, std = found.density_over_viscosity_s_m2 * per_true, abs(found.std_s_m2 * per_true)
+    return f"{value:.3f} +- {std:.3f} ({found.n_trajectories} trajectories)"
 
 
 def print_coalescence(scratch: Path, seed: int, n_frames: int, _names: list[str]) -> None:

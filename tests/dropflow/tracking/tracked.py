@@ -24,7 +24,7 @@ def tracked(
     *,
     progress: Progress = silent,
     shortest_trajectory_frames: int = 3,
-    flow: dict[str, int] | None = None,
+    flow: dict[str, int | str] | None = None,
     **about: Any,
 ) -> TrackingResult:
     """Track a generated film."""
