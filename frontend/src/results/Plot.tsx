@@ -4,11 +4,10 @@ import { useEffect, useRef, useState } from "react";
 import { ProblemAlert } from "../platform/ProblemAlert";
 import { toProblem } from "../platform/problem";
 import { Loading } from "../platform/QueryView";
+import { type Drawing, drawingIn } from "./drawing";
 import {
   captionOf,
   type Figure,
-  fitted,
-  type Layout,
   type Mark,
   momentAt,
   type Range,
@@ -40,25 +39,28 @@ export function Plot({ figure, label, height = 420, ranges, onRanges, ...more }:
   const target = useRef<HTMLDivElement>(null);
   const { plotly, error } = usePlotly();
   const told = useRef({ onRanges, onMoment });
-  const drawn = useRef<Layout>({});
+  const drawing = useRef<Drawing | null>(null);
   useEffect(() => {
     told.current = { onRanges, onMoment };
   }, [onRanges, onMoment]);
 
   useEffect(() => {
     if (!plotly || !target.current || width === 0) return;
-    const { data, layout } = fitted(figure, { isDark, height, width, ranges, aligned_s, marks });
-    drawn.current = layout;
-    void plotly.react(target.current, data as never, { ...layout, width } as never, configFor(label));
+    drawing.current ??= drawingIn(target.current, plotly);
+    drawing.current.show(figure, { isDark, height, width, ranges, aligned_s, marks }, configFor(label));
   }, [plotly, figure, isDark, height, width, ranges, aligned_s, marks, label]);
 
   useEffect(() => {
     const element = target.current as PlotlyElement | null;
     if (!plotly || !element || width === 0) return;
-    const hearZoom = (event: Record<string, unknown>) =>
-      told.current.onRanges?.(rangesFromRelayout(event, drawn.current));
+    const hearZoom = (event: Record<string, unknown>) => {
+      const shown = drawing.current;
+      if (!shown?.isByHand()) return;
+      shown.zoomed(event);
+      told.current.onRanges?.(rangesFromRelayout(event, shown.layout()));
+    };
     const hearClick = ({ points }: Record<string, unknown>) => {
-      const time_s = momentAt(points as Record<string, unknown>[], drawn.current);
+      const time_s = momentAt(points as Record<string, unknown>[], drawing.current?.layout() ?? {});
       if (time_s !== null) told.current.onMoment?.(time_s);
     };
     element.on?.("plotly_relayout", hearZoom);
@@ -72,6 +74,7 @@ export function Plot({ figure, label, height = 420, ranges, onRanges, ...more }:
   useEffect(() => {
     const element = target.current;
     return () => {
+      drawing.current = null;
       if (plotly && element) plotly.purge(element);
     };
   }, [plotly]);
@@ -110,14 +113,21 @@ function configFor(label: string): object {
   };
 }
 
+/** Kept, so that a tab's plots are drawn in the moment in which they appear. */
+let loaded: PlotlyModule | null = null;
+
 /** Plotly, once it is loaded; or why it could not be. */
 function usePlotly(): { plotly: PlotlyModule | null; error: unknown } {
-  const [plotly, setPlotly] = useState<PlotlyModule | null>(null);
+  const [plotly, setPlotly] = useState<PlotlyModule | null>(() => loaded);
   const [error, setError] = useState<unknown>(null);
   useEffect(() => {
+    if (loaded) return;
     let isWanted = true;
     import("./plotly").then(
-      (module) => isWanted && setPlotly(() => module.default),
+      (module) => {
+        loaded = module.default;
+        if (isWanted) setPlotly(() => module.default);
+      },
       (reason: unknown) => isWanted && setError(reason),
     );
     return () => {

@@ -6,11 +6,12 @@ import { formatNumber } from "../platform/format";
 import { Panel } from "../platform/Panel";
 import { Loading, QueryView } from "../platform/QueryView";
 import { FigureCard } from "./FigureCard";
-import { COLOUR_BAR_PX, type Figure, type Mark, type Range, withCommonColours } from "./figure";
+import { COLOUR_BAR_PX, type Mark, type Range } from "./figure";
 import { NotYet } from "./NotYet";
 import { useTimeAxis } from "./oscillations";
 import { Plot } from "./Plot";
 import { catalogueQuery, figureQuery } from "./queries";
+import { useTogether } from "./together";
 import { useSharedRanges, useView } from "./view";
 
 const HEIGHT = 440;
@@ -31,10 +32,7 @@ export function SizesTab({ run }: { run: Run }) {
   const after = useQuery(figureQuery(run, "size_distribution_after", finer));
   const catalogue = useQuery(catalogueQuery(run));
   const slice = catalogue.data?.find(({ name }) => name === "size_distribution_at");
-  const [left, right] = useMemo(
-    () => withCommonColours((before.data ?? null) as Figure | null, (after.data ?? null) as Figure | null),
-    [before.data, after.data],
-  );
+  const [left, right] = useTogether(before, after);
   const plot = {
     height: HEIGHT,
     ranges,

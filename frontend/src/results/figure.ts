@@ -72,7 +72,7 @@ export function fitted({ data, layout }: Figure, look: Look): Figure {
 }
 
 /** What an axis shows, where it is one of the shared ranges, and how much of its unit (s or um) is one on it. */
-function sharedAxis(axis: Json | undefined): { kind: keyof Ranges; factor: number } | null {
+export function sharedAxis(axis: Json | undefined): { kind: keyof Ranges; factor: number } | null {
   const title = (axis?.title as Json | undefined)?.text;
   if (typeof title !== "string") return null;
   const time = /^time t \((s|min|h)\)/.exec(title);
@@ -80,7 +80,7 @@ function sharedAxis(axis: Json | undefined): { kind: keyof Ranges; factor: numbe
   return /\bradius r\b/.test(title) ? { kind: "radius_um", factor: 1 } : null;
 }
 
-function isAxis(name: string): boolean {
+export function isAxis(name: string): boolean {
   return /^[xy]axis\d*$/.test(name);
 }
 
