@@ -10,7 +10,7 @@ from backend.platform import downloads
 from backend.platform.dependencies import PlatformDependency, SessionDependency, ViewerDependency
 from backend.platform.problems import InvalidRequest, responses
 from backend.results import service
-from backend.results.errors import ExportsBusy, NoTable, NotOfThisFilm, NotYet
+from backend.results.errors import ExportsBusy, NoTable, NotKept, NotOfThisFilm, NotYet
 from backend.results.exporting import file_name
 from backend.results.schemas import (
     Exports,
@@ -50,7 +50,7 @@ def figures_list(asker: AskerDependency) -> FigureEntries:
 @router.get(
     "/figures/{name}",
     response_model=Figure,
-    responses=responses(NoSuchRun, NotYet, NotOfThisFilm, StackNotReady, InvalidRequest),
+    responses=responses(NoSuchRun, NotYet, NotKept, NotOfThisFilm, StackNotReady, InvalidRequest),
 )
 def figures_get(
     request: Request,

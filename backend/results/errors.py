@@ -14,6 +14,17 @@ class NotYet(NotFound):
         )
 
 
+class NotKept(NotFound):
+    """The analysis was made by a version that did not keep it."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            "This run was made by a version that kept no frame to show this step of detection on.",
+            code="results.not_kept",
+            hint="Choose a frame, or run the experiment again.",
+        )
+
+
 class NoSuchResult(NotFound):
     """No run makes this."""
 

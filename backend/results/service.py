@@ -18,7 +18,7 @@ from backend.platform.visibility import Viewer
 from backend.platform.zip_stream import part, zip_stream
 from backend.results import exporting, figures, film, frames, repository
 from backend.results.catalogue import checked, entries
-from backend.results.errors import NoSuchResult, NoTable, NotOfThisFilm, NotYet
+from backend.results.errors import NoSuchResult, NoTable, NotKept, NotOfThisFilm, NotYet
 from backend.results.schemas import (
     Export,
     FigureEntry,
@@ -32,7 +32,7 @@ from backend.results.schemas import (
 from backend.runs.service import get as get_run
 from dropflow.exports.kinds import MEDIA_TYPE, TITLE, Kind
 from dropflow.figures.entry import Entry, Needs
-from dropflow.figures.example import WORKING_PANELS
+from dropflow.figures.example import EXAMPLE_FILE, WORKING_PANELS
 from dropflow.frames import Frame
 from dropflow.statistics.condensed import Condensed
 from dropflow.statistics.condensed_files import STATISTICS_FILE
@@ -110,7 +110,10 @@ def figure(asker: Asker, store: ObjectStore, kept: Kept, name: FigureName, query
 def _drawn(asker: Asker, store: ObjectStore, name: FigureName, query: FigureQuery) -> str:
     entry = checked(name, query)
     if name in WORKING_PANELS:
-        return figures.working_panel(entry, _facts(asker, entry), figures.kept_example(store, asker.product("analyse")))
+        facts, analysed = _facts(asker, entry), asker.product("analyse")
+        if not _has(analysed, EXAMPLE_FILE):
+            raise NotKept
+        return figures.working_panel(entry, facts, figures.kept_example(store, analysed))
     return figures.of_film(entry, _findings(asker, store, entry, query))
 
 

@@ -11,12 +11,15 @@ import pyarrow.parquet as pq
 import pytest
 import yaml
 import zarr
+from sqlalchemy import select
 
+from backend.models import Product, Shard
+from backend.platform.kept import Kept
 from dropflow import analysis
 from dropflow.experiment import parse_experiment
 from dropflow.figures.catalogue import CATALOGUE
 from dropflow.figures.entry import Group
-from dropflow.figures.example import WORKING_PANELS
+from dropflow.figures.example import EXAMPLE_FILE, WORKING_PANELS
 from dropflow.parameters import parse_parameters
 from tests.films import EXPERIMENT, PARAMETERS, film
 from tests.house import House, Json
@@ -240,6 +243,28 @@ def test_steps_of_detection_are_drawn_of_any_frame(shared_house: House, run: Jso
     assert said[0] == said[1], "the frame in the middle is the one that is kept"
     assert "Frame 5, " in said[2]
     assert shared_house.api.get(f"{address}?frame=6").json()["code"] == "results.not_yet"
+
+
+def test_a_run_of_a_version_that_kept_no_example_says_so(
+    shared_house: House, run: Json, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(shared_house.app.state, "kept", Kept())
+    address = f"runs/{run['id']}/figures/{WORKING_PANELS[0]}"
+    made = select(Product).join(Shard, Shard.product_id == Product.id)
+    with shared_house.context.sessions() as session:
+        analysed = session.scalars(made.where(Shard.run_id == run["id"], Shard.task == "analyse")).one()
+        whole = analysed.files
+        analysed.files = [file for file in whole if file["name"] != EXAMPLE_FILE]
+        session.commit()
+        try:
+            answer = shared_house.api.get(address)
+            of_a_frame = shared_house.api.get(f"{address}?frame=3")
+        finally:
+            analysed.files = whole
+            session.commit()
+    assert (answer.status_code, answer.json()["code"]) == (404, "results.not_kept")
+    assert "Choose a frame" in answer.json()["hint"]
+    assert of_a_frame.status_code == 200
 
 
 @pytest.mark.parametrize(
