@@ -1,4 +1,4 @@
-import { Alert, List, SimpleGrid, Stack, Table, Text } from "@mantine/core";
+import { Alert, Button, Group, List, SimpleGrid, Stack, Table, Text } from "@mantine/core";
 import { keepPreviousData, useQuery } from "@tanstack/react-query";
 import { useMemo } from "react";
 import type { Quality, Run } from "../client";
@@ -6,15 +6,17 @@ import { isMapping } from "../forms/document";
 import { formatCount, formatNumber } from "../platform/format";
 import { Panel } from "../platform/Panel";
 import { Loading, QueryView } from "../platform/QueryView";
+import type { Range } from "./figure";
 import { NotYet } from "./NotYet";
 import { Plot } from "./Plot";
 import { type QualityPlot, qualityFigure } from "./qualityFigure";
 import { qualityQuery } from "./queries";
-import { useSharedRanges } from "./view";
+import { useSharedRanges, useView } from "./view";
 
 /** How well a run did: what was found, what was guessed, what was thrown away, and how sure it is. */
 export function QualityTab({ run }: { run: Run }) {
   const { ranges, zoom } = useSharedRanges();
+  const { change } = useView();
   const query = useQuery({ ...qualityQuery(run, ranges.time_s), placeholderData: keepPreviousData });
   return (
     <Stack gap="md">
@@ -23,6 +25,9 @@ export function QualityTab({ run }: { run: Run }) {
         {(quality) =>
           quality ? (
             <Panel title="Over time" about="Draw over a part of the time axis to look at it everywhere.">
+              {ranges.radius_um && (
+                <OfAllRadii radius_um={ranges.radius_um} onSizes={() => change({ tab: "sizes" })} />
+              )}
               <SimpleGrid cols={{ base: 1, md: 2 }} spacing="md">
                 {PLOTS.map((plot) => (
                   <QualityView
@@ -40,7 +45,7 @@ export function QualityTab({ run }: { run: Run }) {
           )
         }
       </QueryView>
-      <Rejected run={run} />
+      <Rejected run={run} isRangeSet={ranges.time_s !== undefined || ranges.radius_um !== undefined} />
     </Stack>
   );
 }
@@ -122,7 +127,27 @@ const REASONS: Record<string, string> = {
   doubtful: "Chance alone makes such a trajectory too easily.",
 };
 
-function Rejected({ run }: { run: Run }) {
+type OfAllRadiiProps = { radius_um: Range; onSizes: () => void };
+
+/** These are counted frame by frame without radii: a range of radius that is looked at elsewhere does not narrow them. */
+export function OfAllRadii({ radius_um: [low, high], onSizes }: OfAllRadiiProps) {
+  return (
+    <Alert color="blue" role="status" mb="md" title="Of droplets of all radii">
+      <Group gap="sm">
+        <Text fz="sm">
+          The four plots below follow the range of time, but not the range of radius that you look at,{" "}
+          {formatNumber(low)} to {formatNumber(high)} µm: quality is counted for all droplets of a frame.
+          Sizes shows how many there are in that range.
+        </Text>
+        <Button size="compact-sm" variant="default" onClick={onSizes}>
+          Show sizes
+        </Button>
+      </Group>
+    </Alert>
+  );
+}
+
+function Rejected({ run, isRangeSet }: { run: Run; isRangeSet: boolean }) {
   const counts = run.summary?.n_rejected_trajectories;
   if (!isMapping(counts)) return null;
   const kept = Number(run.summary?.n_trajectories ?? 0);
@@ -131,7 +156,7 @@ function Rejected({ run }: { run: Run }) {
   return (
     <Panel
       title="Trajectories that were taken out"
-      about="The consistency check keeps what behaves like a droplet."
+      about={`The consistency check keeps what behaves like a droplet.${isRangeSet ? " Of the whole film and all radii." : ""}`}
     >
       <Table fz="sm" aria-label="Trajectories that were taken out">
         <Table.Thead>
