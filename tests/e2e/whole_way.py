@@ -72,10 +72,11 @@ class Way:
         self.place.look_after(condition, PATIENCE_S)
         say(what)
 
-    def kill(self, victim: str) -> None:
-        """Kill one as soon as it is there."""
-        self.place.look_after(lambda: self.place.kill(victim), PATIENCE_S)
-        say(f"killed: {victim}")
+    def kill(self, victim: str, is_too_late: Callable[[], bool] = lambda: False) -> None:
+        """Kill one as soon as it is there; a short film may be done with its work before."""
+        n_before = self.place.kills[victim]
+        self.place.look_after(lambda: self.place.kill(victim) or is_too_late(), PATIENCE_S)
+        say(f"killed: {victim}" if self.place.kills[victim] > n_before else f"too late to kill: {victim}")
 
     def ask(self, path: str) -> Json | None:
         """What the API says, if it answers."""
@@ -107,10 +108,15 @@ class Way:
         on_their_way = sum(item["offset_bytes"] for item in coming["items"]) if coming else 0
         return float((experiment["stack"]["size_bytes"] + on_their_way) / n_bytes)
 
-    def is_indexing(self) -> bool:
-        """Whether the frames are being read."""
+    def is_sent(self) -> bool:
+        """Whether the frames are being read, or were."""
         experiment = self.experiment()
-        return experiment is not None and experiment["stack"]["state"] == "indexing"
+        return experiment is not None and experiment["stack"]["state"] in ("indexing", "ready")
+
+    def is_ready(self) -> bool:
+        """Whether they were."""
+        experiment = self.experiment()
+        return experiment is not None and experiment["stack"]["state"] == "ready"
 
     def is_over(self) -> bool:
         """Whether the run has ended."""
@@ -120,7 +126,7 @@ class Way:
     def disturb_run(self) -> None:
         """Kill everybody once while the run goes."""
         for victim in ("busy detect", "API", "PostgreSQL", *IDLE, "busy track", "worker sequential"):
-            self.kill(victim)
+            self.kill(victim, self.is_over)
 
 
 def by_client(way: Way, folder: Path, n_bytes: int) -> None:
@@ -135,8 +141,8 @@ def by_client(way: Way, folder: Path, n_bytes: int) -> None:
     with _submitting(way, folder, description, parameters) as sender:
         way.until("half has arrived", lambda: way.sent_share(n_bytes) > 0.5)
         way.kill("API")
-        way.until("frames are being read", way.is_indexing)
-        way.kill("busy ingest")
+        way.until("all has arrived", way.is_sent)
+        way.kill("busy ingest", way.is_ready)
         way.until("the run has begun", lambda: way.run() is not None)
         sender.kill()
     way.disturb_run()
@@ -169,8 +175,8 @@ def by_page(way: Way, folder: Path, n_bytes: int) -> None:
         _send(page, made, folder)
         way.until("half has arrived", lambda: _seen(page) and way.sent_share(n_bytes) > 0.5)
         way.kill("API")
-        way.until("frames are being read", lambda: _seen(page) and way.is_indexing())
-        way.kill("busy ingest")
+        way.until("all has arrived", lambda: _seen(page) and way.is_sent())
+        way.kill("busy ingest", way.is_ready)
         ready = page.get_by_text("frames ready")
         way.until("the page says that frames are ready", lambda: _seen(page) and ready.is_visible())
         page.goto(f"experiments/{made}/analyse")

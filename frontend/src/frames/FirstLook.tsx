@@ -1,5 +1,6 @@
 import { Alert, Anchor, Checkbox, Group, Image, List, SimpleGrid, Stack, Text } from "@mantine/core";
 import { Link } from "@tanstack/react-router";
+import { useState } from "react";
 import type { Experiment } from "../client";
 import { formatCount, formatDuration, formatNumber, plural } from "../platform/format";
 import { confirmedBy } from "./confirmed";
@@ -8,14 +9,17 @@ import { frameSource, useStamp } from "./source";
 
 const SIDE_PX = 600;
 
-type FirstLookProps = { experiment: Experiment; isPending: boolean; onRight: () => void };
+type FirstLookProps = { experiment: Experiment; isRefused: boolean; onRight: () => void };
 
 /** The first frames and the last, their numbering and their scale, for a person to say that this is their film. */
-export function FirstLook({ experiment, isPending, onRight }: FirstLookProps) {
+export function FirstLook({ experiment, isRefused, onRight }: FirstLookProps) {
   const source = frameSource(experiment);
   const stamp = useStamp(experiment);
+  // The tick stands from the click on, not only once the server has it.
+  const [isSaid, setSaid] = useState(false);
   if (!source) return null;
   const { stack } = experiment;
+  const isRight = stack.confirmation != null || (isSaid && !isRefused);
   const shown = [...new Set([0, Math.min(1, source.n_frames - 1), source.n_frames - 1])];
   const [width_um, height_um] = [source.columns, source.rows].map(
     (side_px) => side_px * source.pixel_size_um,
@@ -57,9 +61,12 @@ export function FirstLook({ experiment, isPending, onRight }: FirstLookProps) {
       )}
       <Group gap="md">
         <Checkbox
-          checked={stack.confirmation != null || isPending}
-          readOnly={stack.confirmation != null || isPending}
-          onChange={onRight}
+          checked={isRight}
+          onChange={() => {
+            if (isRight) return;
+            setSaid(true);
+            onRight();
+          }}
           label="Order, times and scale are right"
           description={stack.confirmation && `Kept with the frames: ${confirmedBy(stack.confirmation)}`}
         />

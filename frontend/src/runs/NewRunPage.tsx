@@ -133,7 +133,7 @@ function NewRun({ experimentId, experiment, schema, begin, origin }: NewRunProps
           >
             <FirstLook
               experiment={experiment}
-              isPending={confirm.isPending}
+              isRefused={confirm.isError}
               onRight={() => confirm.mutate(experiment)}
             />
             {confirm.error && <ProblemAlert problem={toProblem(confirm.error)} />}
