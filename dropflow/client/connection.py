@@ -20,12 +20,14 @@ Json = dict[str, Any]
 HARMLESS = frozenset({"GET", "HEAD", "PUT", "DELETE"})
 PASSING = frozenset({429, 502, 503, 504})
 LONGEST_PAUSE_S = 20.0
+N_TRIES = 12
+"""Some two minutes: a server that is started again is away for less."""
 
 
 class Connection:
     """Talks to one server; may be used by several threads."""
 
-    def __init__(self, server: Server, *, timeout_s: float = 60.0, n_tries: int = 5) -> None:
+    def __init__(self, server: Server, *, timeout_s: float = 60.0, n_tries: int = N_TRIES) -> None:
         headers = {"User-Agent": f"dropflow/{version('dropflow')}", "Accept": "*/*"}
         if server.token:
             headers["Authorization"] = f"Bearer {server.token}"

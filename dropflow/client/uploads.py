@@ -18,7 +18,7 @@ from dropflow.progress import Progress
 PLANNED_AT_ONCE = 1000
 REQUEST_BYTES = 64 << 20
 N_AT_ONCE = 3
-N_TRIES = 8
+N_TRIES = 12
 STAGE = "upload"
 _TUS = {"Tus-Resumable": "1.0.0"}
 _AGAIN = frozenset({409, 423, 429, 460, 500, 502, 503, 504})
