@@ -195,8 +195,12 @@ def _send(page: Page, experiment: str, folder: Path) -> None:
 
 
 def _seen(page: Page) -> bool:
-    """Let the browser go on for a moment."""
+    """Let the browser go on for a moment, and try again where it gave up on a server that was away for long."""
     page.wait_for_timeout(100)
+    again = page.get_by_role("button", name="Try again")
+    if again.is_visible():
+        again.click()
+        say("clicked: Try again")
     return True
 
 
