@@ -141,7 +141,7 @@ def deployment(**settings: str) -> Iterator[Deployment]:
             for program in (api(folder, variables), *workers(folder, variables)):
                 supervisor.start(program, tier=1)
             made = Deployment(supervisor, folder, options.port, valkey.url(), engine)
-            made.look_after(lambda: status_of(options.port, "/api/v1/health") == 200, 60)
+            made.look_after(lambda: status_of(options.port, "/api/v1/health") == 200, 180)
             yield made
         finally:
             if engine is not None:

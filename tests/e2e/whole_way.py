@@ -225,8 +225,8 @@ def check(way: Way, folder: Path, n_frames: int) -> None:
     detected = [at for shard in shards if shard.task == "detect" for at in range(shard.start_frame, shard.stop_frame)]
     assert detected == list(range(n_frames))
     assert way.place.open_work() == (0, 0)
-    numbers = run["summary"]["tracked"]
-    say(f"{len(shards)} shards, each counted once; {numbers['n_trajectories']} trajectories; nothing is left running")
+    n_droplets = run["summary"]["tracked"]["n_droplets"]
+    say(f"{len(shards)} shards, each counted once; {n_droplets} droplets were followed; nothing is left running")
     say(f"killed: {dict(way.place.kills)}")
 
 
