@@ -21,8 +21,8 @@ Temperature = Annotated[float, Query(ge=-50, le=200)]
 def _wish(
     start_c: Temperature = 25.8,
     end_c: Temperature = 50.0,
-    driving_per_s: Annotated[float | None, Query(gt=0, le=1, description="xi. Give this or the duration.")] = None,
-    duration_s: Annotated[float | None, Query(gt=0, le=1e6, description="How long the ramp takes.")] = None,
+    driving_per_s: Annotated[float | None, Query(ge=1e-9, le=1, description="xi. Give this or the duration.")] = None,
+    duration_s: Annotated[float | None, Query(ge=1, le=1e6, description="How long the ramp takes.")] = None,
     has_protocol: Annotated[bool, Query(description="Begin with an hour of mixing and four of equilibration.")] = False,
 ) -> RampWish:
     return RampWish(start_c, end_c, driving_per_s, duration_s, has_protocol)

@@ -18,7 +18,6 @@ from dropflow import figures
 from dropflow.figures.entry import Entry, draw
 from dropflow.figures.example import EXAMPLE_FILE, Example, draw_example, make_example
 from dropflow.figures.of_frame import COLUMNS, FlowStep, displacement_of, flow_field_of, tracking_step_of
-from dropflow.preprocess.estimate import ESTIMATE_FILE, StackEstimate
 from dropflow.statistics.condensed import Condensed
 from dropflow.statistics.facts import FilmFacts
 from dropflow.statistics.findings import Findings
@@ -65,6 +64,8 @@ def example_of(
     facts: FilmFacts, store: ObjectStore, prepared: Product, detected: Product, frame: int, image: npt.NDArray[Any]
 ) -> Example:
     """Any other frame, prepared as the analysis did."""
+    from dropflow.preprocess.estimate import ESTIMATE_FILE, StackEstimate
+
     measured = StackEstimate.load(io.BytesIO(store.read(prepared.prefix + ESTIMATE_FILE)))
     droplets = detected_droplets(store, detected, frame)
     return make_example(image, frame, droplets, facts.experiment, facts.parameters, measured)

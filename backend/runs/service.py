@@ -29,8 +29,8 @@ from backend.stacks.errors import FramesExpired, StackNotReady
 from dropflow.errors import ParametersError
 from dropflow.experiment import parse_experiment
 from dropflow.parameters import Parameters, parse_parameters
-from dropflow.preprocess.radius_range import radius_range_px
 from dropflow.provenance import code_version
+from dropflow.radius_range import radius_range_px
 
 
 def get(session: Session, viewer: Viewer, run_id: UUID) -> Run:

@@ -6,7 +6,7 @@ from dropflow.detection.paper.detector import PaperDetector
 from dropflow.experiment import Experiment
 from dropflow.parameters import Method, Parameters
 from dropflow.preprocess import StackEstimate
-from dropflow.preprocess.radius_range import radius_range_px
+from dropflow.radius_range import radius_range_px
 
 __all__ = ["make_detector"]
 

@@ -5,7 +5,7 @@ Detection is imported where it is used: it takes long to load, and the service s
 
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import cv2
 import numpy as np
@@ -17,8 +17,10 @@ from dropflow.experiment import Experiment
 from dropflow.figures.images import MAX_EDGE_PX
 from dropflow.figures.layout import new_figure, say_empty
 from dropflow.parameters import Parameters
-from dropflow.preprocess import StackEstimate, noise_std
-from dropflow.preprocess.radius_range import radius_range_px
+from dropflow.radius_range import radius_range_px
+
+if TYPE_CHECKING:
+    from dropflow.preprocess import StackEstimate
 
 Image = npt.NDArray[np.float32]
 
@@ -81,7 +83,7 @@ def make_example(
     droplets: Droplets,
     experiment: Experiment,
     parameters: Parameters,
-    measured: StackEstimate,
+    measured: "StackEstimate",
 ) -> Example:
     """Prepare a piece of a frame where there are many droplets, as sections 3.1.1 to 3.1.3 do.
 
@@ -98,6 +100,7 @@ def make_example(
     """
     from dropflow.detection.paper.detector import PaperDetector
     from dropflow.detection.paper.thresholding import background_level, threshold_levels
+    from dropflow.preprocess import noise_std
 
     r_min_px, r_max_px = radius_range_px(experiment, parameters, measured.shape)
     knobs = parameters.detection.paper

@@ -13,8 +13,8 @@ from dropflow.preprocess.background import Stack, estimated_flat_field
 from dropflow.preprocess.estimate import StackEstimate
 from dropflow.preprocess.flat_field import normalised_flat_field
 from dropflow.preprocess.frame import corrected
-from dropflow.preprocess.radius_range import radius_range_px
 from dropflow.preprocess.stripes import measure_stripes
+from dropflow.radius_range import radius_range_px
 
 N_SAMPLED = 5
 """So many frames are looked at."""

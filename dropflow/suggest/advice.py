@@ -14,7 +14,7 @@ from dropflow.parameters import Parameters, parse_parameters
 from dropflow.preprocess import estimate_stack
 from dropflow.preprocess.background import Stack
 from dropflow.preprocess.measure import sampled
-from dropflow.preprocess.radius_range import SMALLEST_RADIUS_PX
+from dropflow.radius_range import SMALLEST_RADIUS_PX
 from dropflow.suggest.displacement import displacement
 from dropflow.suggest.measurements import Measurement, Seen, look_around, measurements_of
 

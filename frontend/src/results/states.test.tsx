@@ -22,7 +22,7 @@ it("a range of radius is said not to narrow the quality, with the way to where i
 
 it.each([
   ["running", "It appears here as soon as the run has come to it."],
-  ["failed", "What went wrong stands at the top of this page."],
+  ["failed", "What went wrong stands at the top of this page;"],
   ["cancelled", "The run was cancelled before it came to this."],
   ["completed", "A new run of the experiment"],
 ] as const)("of a run that is %s it says what to do", (state, words) => {
