@@ -7,7 +7,6 @@ from typing import Annotated, Any, Protocol
 import numpy as np
 import numpy.typing as npt
 from pydantic import Field, model_validator
-from scipy.optimize import minimize
 
 from dropflow.documents import StrictModel
 from dropflow.errors import ExperimentError
@@ -187,6 +186,8 @@ def _fit_branch(composition: Floats, temperature_c: Floats, order: int) -> _Bran
 
 def _rising(free: Any, composition: Floats, temperature_c: Floats) -> Any:
     """The best polynomial of the same order that rises all along the branch: a free one may dip where T is flat."""
+    from scipy.optimize import minimize
+
     basis = np.polynomial.chebyshev.chebvander(free.mapparms()[0] + free.mapparms()[1] * composition, free.degree())
     places = np.linspace(-1, 1, _SLOPE_POINTS)
     unit = np.eye(free.degree() + 1)

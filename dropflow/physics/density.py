@@ -1,16 +1,18 @@
 """Density of pure fluids and of their mixture (section 2.1)."""
 
 from functools import lru_cache
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
 import numpy.typing as npt
 from pydantic import Field
-from scipy.interpolate import CubicSpline
 
 from dropflow.documents import StrictModel
 from dropflow.errors import ExperimentError
 from dropflow.physics.viscosity import SourceText
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicSpline
 
 Floats = npt.NDArray[np.float64]
 
@@ -64,8 +66,9 @@ def water_density_kg_m3(temperature_c: npt.ArrayLike) -> Floats:
 
 
 @lru_cache(maxsize=1)
-def _water_spline() -> CubicSpline:
+def _water_spline() -> "CubicSpline":
     from iapws import IAPWS95
+    from scipy.interpolate import CubicSpline
 
     knots_c = np.arange(WATER_RANGE_C[0], WATER_RANGE_C[1] + _KNOT_SPACING_C, _KNOT_SPACING_C)
     knots_c = np.minimum(knots_c, 99.5)

@@ -6,7 +6,6 @@ from typing import TextIO
 
 import numpy as np
 import numpy.typing as npt
-from scipy.optimize import brentq
 
 from dropflow.errors import ParametersError
 from dropflow.physics.binodal import Binodal
@@ -96,6 +95,8 @@ def _path(binodal: Binodal, start_c: float, end_c: float, n_steps: int) -> tuple
             here += step * float(np.interp(here, curve_c, rate_c))
             path[index] = here
         return path
+
+    from scipy.optimize import brentq
 
     exact = float(np.log(binodal.half_width(end_c) / binodal.half_width(start_c)))
     growth = float(brentq(lambda g: integrate(g)[-1] - end_c, 0.9 * exact, 1.1 * exact, xtol=1e-9, rtol=1e-9))

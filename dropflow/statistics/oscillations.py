@@ -5,7 +5,6 @@ from enum import StrEnum
 
 import numpy as np
 import numpy.typing as npt
-from scipy.ndimage import gaussian_filter1d
 
 from dropflow.statistics.histograms import FrameHistograms, coarsen
 from dropflow.statistics.size_distribution import size_moments
@@ -93,6 +92,8 @@ def find_oscillations(histograms: FrameHistograms, *, signal: Signal = Signal.N_
 
     An empty or too short film gives no peaks.
     """
+    from scipy.ndimage import gaussian_filter1d
+
     shown = coarsen(histograms, MAX_POINTS)
     raw = signal_over_time(shown, signal)
     is_known = np.isfinite(raw)
