@@ -3,9 +3,8 @@
 import json
 import shutil
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import h5py
 import numpy as np
 import pyarrow.parquet as pq
 import zarr
@@ -13,12 +12,17 @@ import zarr
 from dropflow.exports.tables import trajectory_rows
 from dropflow.results import Results
 
+if TYPE_CHECKING:
+    import h5py
+
 FLOW_ARRAYS = ("velocity_um_s", "velocity_std_um_s", "droplet_count", "is_interpolated")
 _STEPS_AT_ONCE = 64
 
 
 def write_hdf5(results: Results, output: Path) -> None:
     """Groups ``droplets`` and ``trajectories`` with one data set a column, and ``flow`` with its arrays."""
+    import h5py
+
     with h5py.File(output, "w") as file:
         file.attrs["dropflow"] = json.dumps(results.provenance)
         for name, path in (("droplets", results.droplets), ("trajectories", results.trajectories)):
@@ -33,6 +37,8 @@ def write_netcdf(results: Results, output: Path) -> None:
 
     NetCDF 4 is HDF5 with dimension scales, which is all that is needed of it here.
     """
+    import h5py
+
     with h5py.File(output, "w", track_order=True) as file:
         file.attrs["dropflow"] = json.dumps(results.provenance)
         file.attrs["Conventions"] = "CF-1.11"
@@ -69,7 +75,7 @@ def _as_scale(variable: Any, name: str, unit: str, number: int) -> None:
     variable.attrs["_Netcdf4Dimid"] = np.int32(number)
 
 
-def _copy(source: zarr.Array[Any], into: h5py.Group, name: str) -> None:
+def _copy(source: zarr.Array[Any], into: "h5py.Group", name: str) -> None:
     is_flag = source.dtype == np.bool_
     made = into.create_dataset(
         name,
@@ -83,7 +89,7 @@ def _copy(source: zarr.Array[Any], into: h5py.Group, name: str) -> None:
         made[start : start + _STEPS_AT_ONCE] = np.asarray(source[start : start + _STEPS_AT_ONCE])
 
 
-def _write_table(group: h5py.Group, path: Path) -> None:
+def _write_table(group: "h5py.Group", path: Path) -> None:
     with pq.ParquetFile(path) as table:
         n_rows = table.metadata.num_rows
         chunks = (min(n_rows, 1 << 16),) if n_rows else None

@@ -76,7 +76,9 @@ def test_secrets_are_made_once_and_stay(tmp_path: Path) -> None:
     assert set(first) == set(COMPOSE["secrets"])
     assert first["POSTGRES_PASSWORD"] in first["DATABASE_URL"]
     assert len({first[name] for name in first}) == len(first)
-    assert all(len(value) >= 48 for value in first.values())
+    # That of somebody's mail server is theirs to write; all others are made.
+    assert first["SMTP_PASSWORD"] == ""
+    assert all(len(value) >= 48 for name, value in first.items() if name != "SMTP_PASSWORD")
     assert make() == first
     assert (tmp_path / "secrets").stat().st_mode & 0o066 == 0
 
