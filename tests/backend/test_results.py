@@ -248,7 +248,7 @@ def test_steps_of_detection_are_drawn_of_any_frame(shared_house: House, run: Jso
 def test_a_run_of_a_version_that_kept_no_example_says_so(
     shared_house: House, run: Json, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(shared_house.app.state, "kept", Kept())
+    monkeypatch.setattr(shared_house.app.state.kept, "get", Kept().get)
     address = f"runs/{run['id']}/figures/{WORKING_PANELS[0]}"
     made = select(Product).join(Shard, Shard.product_id == Product.id)
     with shared_house.context.sessions() as session:
