@@ -29,6 +29,8 @@ from dropflow.preprocess import estimate_stack
 MIN_IOU = 0.5
 TRUSTED_RADIUS_PX = 8.0
 """Smaller bubbles of `bubbles_zerog_gold` are labelled in two quadrants only."""
+SMALL_RADIUS_PX = 4.0
+"""Below it the radius of a label is that of the dark core of a blurred bubble."""
 QUADRANTS = {"ZeroG_FlightDay_Test_C1S0014_img018008", "ZeroG_FlightDay_Test__C1S0004_IMG_S0001005070"}
 
 
@@ -114,7 +116,18 @@ def score_bubbles(folder: Path, name: str, droplets: Droplets) -> str:
         text += f", precision {precision:.2f}, F1 {2 * precision * recall / max(precision + recall, 1e-9):.2f}"
     if n_hits:
         text += f", radius {100 * np.median(error):+.1f} +- {100 * error.std():.1f} %"
-    return text
+    return text + (f"; {placed(found, true)}" if is_whole else "")
+
+
+def placed(found: npt.NDArray[np.float64], true: npt.NDArray[np.float64]) -> str:
+    """How many labels have a circle of their own whose centre is within them, whatever its size."""
+    distance = np.hypot(found[:, None, 0] - true[None, :, 0], found[:, None, 1] - true[None, :, 1])
+    rows, columns = linear_sum_assignment(np.minimum(distance / true[:, 2], 1.0))
+    is_within = distance[rows, columns] < true[columns, 2]
+    ratio = found[rows[is_within], 2] / true[columns[is_within], 2]
+    is_small = true[columns[is_within], 2] < SMALL_RADIUS_PX
+    share, times = is_within.sum() / len(true), np.median(ratio[is_small])
+    return f"{100 * share:.0f} % have a circle at their place, below {SMALL_RADIUS_PX:g} px {times:.2f} times as large"
 
 
 def report(images: Set, label: str, frame: npt.NDArray[Any], base: Parameters, overlays: Path | None) -> Droplets:
