@@ -21,7 +21,7 @@ from sqlalchemy.orm import Session
 from backend.models import Run, Shard
 from backend.models.states import ACTIVE_RUN_STATES, SHARD_RULES, ShardState, rule
 from backend.platform.database import Sessions
-from backend.platform.events import announce, experiment_topic, run_topic
+from backend.platform.events import announcing, experiment_topic, run_topic
 from dropflow.errors import Cancelled
 from dropflow.tracking.film import FRAMES_PER_PART
 from worker.pace import Pace
@@ -34,6 +34,9 @@ MAX_ERRORS = 3
 _FRUITFUL_PARTS = 2
 """Tracking that has saved its state so often since it was claimed gets somewhere, however often it is broken off."""
 _SHORTEST_RENEWAL_S = 0.5
+_RENEWAL_SHARE = 20
+"""Where to renew takes long, for the database is busy with many workers, it is done as seldom as to take a twentieth of
+the time."""
 log = structlog.get_logger()
 
 
@@ -144,6 +147,7 @@ class Lease:
         self.claim = claim
         self._sessions, self._lease_s, self._beat = sessions, lease_s, beat
         self._renewed = self._spoke = time.monotonic()
+        self._took_s = 0.0
         self._n_frames = claim.stop_frame - claim.start_frame
         self._begun_at: int | None = None
         self.pace = Pace(time.monotonic())
@@ -155,7 +159,8 @@ class Lease:
         n_done = (self._n_frames or total) * done / max(total, 1)
         is_first, is_last = self._begun_at is None, done >= total
         self._begun_at = done if self._begun_at is None else self._begun_at
-        is_due = is_last or time.monotonic() - self._renewed > min(_SHORTEST_RENEWAL_S, self._lease_s / 4)
+        pause_s = min(max(_SHORTEST_RENEWAL_S, _RENEWAL_SHARE * self._took_s), self._lease_s / 4)
+        is_due = is_last or time.monotonic() - self._renewed > pause_s
         if is_first or is_due:
             self.pace.mark(n_done, time.monotonic(), is_last=is_last)
         if is_due:
@@ -198,6 +203,7 @@ class Lease:
 
     def _renew_now(self, done_frames: int | None, *, is_fruitful: bool) -> None:
         self._beat()
+        began_s = time.monotonic()
         try:
             with self._sessions.begin() as session:
                 is_cancelled = self._renew(session, done_frames, is_fruitful=is_fruitful)
@@ -213,6 +219,7 @@ class Lease:
                 raise LeaseLost from None
             return
         self._renewed = time.monotonic()
+        self._took_s = self._renewed - began_s
         if is_cancelled:
             raise Cancelled("The run was cancelled.")
 
@@ -233,13 +240,16 @@ class Lease:
             .correlate(Shard)
             .scalar_subquery()
         )
+        told = [] if done_frames is None else announcing(*self.claim.topics)
+        # A renewal that a crash of Postgres forgets was made in vain, as if it had come before: it waits for no disk,
+        # which all who commit would wait for one after the other, as all that is told goes out in one order.
+        hasty = func.set_config("synchronous_commit", "off", True)
         row = session.execute(
-            update(Shard).where(*held(self.claim)).values(values).returning(Shard.id, is_cancelled)
+            update(Shard).where(*held(self.claim)).values(values).returning(is_cancelled, hasty, *told)
         ).one_or_none()
         if row is None:
             raise LeaseLost
-        announce(session, *self.claim.topics)
-        return bool(row[1])
+        return bool(row[0])
 
 
 def _run_goes_on() -> ColumnElement[bool]:

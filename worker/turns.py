@@ -78,8 +78,9 @@ def _served(whose: Select[Any]) -> CTE:
         asked = [select(what).where(theirs, *conditions).scalar_subquery() for theirs in (known, unknown)]
         return case((people.c.person_id.is_not(None), asked[0]), else_=asked[1])
 
-    return select(
+    served = select(
         people.c.person_id,
         of_theirs(func.count(other.id), other.state == ShardState.RUNNING).label("n_running"),
         of_theirs(func.max(other.started_at)).label("served_at"),
     ).cte()
+    return served.prefix_with("MATERIALIZED")  # asked once a person, not once a run

@@ -14,7 +14,7 @@ from backend.models.states import ShardState
 from backend.platform.database import Sessions, make_engine, make_sessions
 from dropflow.errors import Cancelled
 from tests.house import House, Json
-from worker import outcomes
+from worker import leases, outcomes
 from worker.leases import MAX_ATTEMPTS, Claim, Lease, LeaseLost, claim
 from worker.outcomes import NewProduct
 from worker.shards import look_at
@@ -122,6 +122,27 @@ def test_progress_renews_the_lease_and_is_seen(house: House, run: Json) -> None:
     assert before.lease_until is not None
     assert after.lease_until is not None
     assert after.lease_until > before.lease_until
+
+
+def test_where_to_say_how_far_it_is_takes_long_it_is_said_less_often(
+    house: House, run: Json, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(leases, "_SHORTEST_RENEWAL_S", 0.05)
+    lease = _take(house, lease_s=4)
+    shard_id = lease.claim.shard_id
+    with ThreadPoolExecutor(1) as pool:
+        with house.context.sessions.begin() as session:
+            session.execute(select(Shard.id).where(Shard.id == shard_id).with_for_update())
+            renewal = pool.submit(lease.renew)
+            time.sleep(0.3)
+        renewal.result()
+    before = _shard(house, shard_id).lease_until
+    time.sleep(0.1)
+    lease("detect", 1, 3)
+    assert _shard(house, shard_id).lease_until == before
+    time.sleep(1.0)
+    lease("detect", 2, 3)
+    assert _shard(house, shard_id).lease_until != before, "but in time for the lease"
 
 
 def test_progress_that_is_not_in_frames_of_the_shard_is_scaled_to_them(house: House, run: Json) -> None:
