@@ -12,8 +12,8 @@ from urllib.parse import urlsplit
 from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Receive, Scope, Send
 
+from backend.platform.loopback import is_loopback
 from backend.platform.problems import ServiceError, problem_of, problem_response
-from backend.platform.settings import is_loopback
 
 
 class NotFromHere(ServiceError):

@@ -3,21 +3,22 @@
 import hashlib
 import re
 import tempfile
-from email.utils import parseaddr
 from functools import cache
-from ipaddress import IPv4Network, IPv6Network, ip_address
+from ipaddress import IPv4Network, IPv6Network
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 from urllib.parse import urlsplit
 
 from pydantic import BaseModel, ConfigDict, Field, SecretStr, field_validator, model_validator
-from pydantic_settings import BaseSettings, SettingsConfigDict
 from sqlalchemy import make_url
 from sqlalchemy.exc import ArgumentError
 
+from backend.platform.loopback import is_loopback
+from backend.platform.settings_of_mail import LAST_PORT, MailSettings
+from backend.platform.settings_of_provider import ProviderSettings
+
 CHECKOUT = Path(__file__).resolve().parents[2]
 GIGABYTE = 1_000_000_000
-_LAST_PORT = 65535
 LEAST_SECRET = 32
 
 
@@ -43,10 +44,8 @@ class ImportRoot(BaseModel):
         return url
 
 
-class Settings(BaseSettings):
-    """Each field is an environment variable of the same name in capitals; an empty one counts as absent."""
-
-    model_config = SettingsConfigDict(frozen=True, extra="ignore", env_ignore_empty=True, use_attribute_docstrings=True)
+class Settings(MailSettings, ProviderSettings):
+    """Every setting of a process."""
 
     database_url: str
     """`postgresql://user:password@host:port/name`."""
@@ -71,41 +70,15 @@ class Settings(BaseSettings):
     """Where people reach the service, such as `https://droplets.example.org/`. AUTH=accounts needs it."""
     sign_ins_per_minute: Annotated[int, Field(ge=1)] = 20
     """Tries to sign in, from one address and with one e-mail address, before more are refused."""
-    oidc_issuer: str | None = None
-    """A provider of sign-ins (OpenID Connect) beside passwords, such as `https://login.example.org/realms/lab`."""
-    oidc_client_id: str | None = None
-    """What the provider knows this service as."""
-    oidc_client_secret: SecretStr | None = None
-    """The secret that belongs to it."""
-    oidc_scope: str = "openid email profile"
-    """What the provider is asked for."""
-    oidc_name: str = "your organisation"
-    """What the page calls the provider."""
-    oidc_groups_claim: str = "groups"
-    """The claim that says in which groups of the provider somebody is."""
-    oidc_groups: dict[str, str] = {}
-    """JSON: group of the provider to group and right here, such as `{"lab-foams": "Foams:edit"}`."""
     group_max_bytes: Annotated[int, Field(ge=0)] | None = None
     """Room for the frames and results of a group, unless an administrator gives it another; without it, no limit."""
     group_max_active_runs: Annotated[int, Field(ge=1)] | None = None
     """Runs of a group that are queued or running at once; likewise."""
     outward_networks: tuple[IPv4Network | IPv6Network, ...] = ()
     """JSON: networks inside the house to which webhooks may be sent, such as `["10.1.0.0/16"]`. Else: none."""
-    smtp_host: str | None = None
-    """The server that takes e-mail for others; without one, none is sent."""
-    smtp_port: Annotated[int, Field(ge=1, le=_LAST_PORT)] = 587
-    """Its port."""
-    smtp_security: Literal["starttls", "tls", "none"] = "starttls"
-    """How the way to it is kept secret; `none` for a server on this machine."""
-    smtp_user: str | None = None
-    """As whom to sign in there."""
-    smtp_password: SecretStr | None = None
-    """With what."""
-    mail_from: str | None = None
-    """The sender of e-mail, such as `Dropflow <droplets@example.org>`. SMTP_HOST needs it."""
     host: str = "127.0.0.1"
     """Address to listen on."""
-    port: Annotated[int, Field(ge=0, le=_LAST_PORT)] = 8000
+    port: Annotated[int, Field(ge=0, le=LAST_PORT)] = 8000
     """Port to listen on."""
 
     max_file_bytes: Annotated[int, Field(ge=1)] = 100 * GIGABYTE
@@ -115,7 +88,7 @@ class Settings(BaseSettings):
     max_body_bytes: Annotated[int, Field(ge=1024)] = 1_000_000
     """Largest request that is no file."""
 
-    import_roots: dict[str, ImportRoot] = {}
+    import_roots: dict[str, ImportRoot] = Field(default_factory=dict)
     """JSON: what frames may be imported from, by name, such as `{"microscope": "file:///data/microscope", "archive":
     {"url": "s3://bucket/films", "groups": ["Foams"]}}`: nothing else of the server, and for these groups alone."""
 
@@ -189,12 +162,12 @@ class Settings(BaseSettings):
         if address is None or address == "":
             return None
         host, _, port = address.rpartition(":")
-        if not host or not port.isdecimal() or not 0 < int(port) <= _LAST_PORT:
+        if not host or not port.isdecimal() or not 0 < int(port) <= LAST_PORT:
             raise ValueError("must be host:port, such as 127.0.0.1:9100")
         return address
 
     @model_validator(mode="after")
-    def _sizes_fit(self) -> "Settings":
+    def _sizes_fit(self) -> Self:
         if self.max_file_bytes > self.max_stack_bytes:
             raise ValueError("MAX_FILE_BYTES must not be larger than MAX_STACK_BYTES")
         return self
@@ -210,7 +183,7 @@ class Settings(BaseSettings):
         return url.rstrip("/") + "/"
 
     @model_validator(mode="after")
-    def _open_to_this_machine_only(self) -> "Settings":
+    def _open_to_this_machine_only(self) -> Self:
         if self.auth == "local" and not is_loopback(self.host):
             raise ValueError(
                 "without accounts (AUTH=local) HOST must be a loopback address such as 127.0.0.1; "
@@ -219,8 +192,10 @@ class Settings(BaseSettings):
         return self
 
     @model_validator(mode="after")
-    def _accounts_are_safe(self) -> "Settings":
+    def _accounts_are_safe(self) -> Self:
         if self.auth == "local":
+            if self.oidc_issuer is not None:
+                raise ValueError("OIDC_ISSUER needs AUTH=accounts and OIDC_CLIENT_ID")
             return self
         if self.secret is None or len(self.secret.get_secret_value()) < LEAST_SECRET:
             raise ValueError(
@@ -228,32 +203,6 @@ class Settings(BaseSettings):
             )
         if self.public_url is None:
             raise ValueError("AUTH=accounts needs PUBLIC_URL, the address at which people reach the service")
-        return self
-
-    @model_validator(mode="after")
-    def _provider_is_whole(self) -> "Settings":
-        if self.oidc_issuer is None:
-            return self
-        if self.auth != "accounts" or not self.oidc_client_id:
-            raise ValueError("OIDC_ISSUER needs AUTH=accounts and OIDC_CLIENT_ID")
-        for place in self.oidc_groups.values():
-            name, _, right = place.rpartition(":")
-            if not name or right not in ("view", "edit", "manage"):
-                raise ValueError(f"OIDC_GROUPS: {place!r} must be GROUP:view, GROUP:edit or GROUP:manage")
-        return self
-
-    @model_validator(mode="after")
-    def _mail_is_whole(self) -> "Settings":
-        if self.smtp_host is None:
-            return self
-        _, address = parseaddr(self.mail_from or "")
-        if "@" not in address or not (self.mail_from or "").isprintable():
-            raise ValueError("SMTP_HOST needs MAIL_FROM, such as Dropflow <droplets@example.org>")
-        if self.smtp_user is not None:
-            if self.smtp_password is None:
-                raise ValueError("SMTP_USER needs SMTP_PASSWORD")
-            if self.smtp_security == "none" and not is_loopback(self.smtp_host):
-                raise ValueError("SMTP_PASSWORD would go unencrypted: set SMTP_SECURITY to starttls or tls")
         return self
 
     @property
@@ -298,16 +247,6 @@ def with_driver(url: str) -> str:
     if parsed.get_backend_name() not in {"postgresql", "postgres"}:
         raise ValueError(f"must be a postgresql:// URL, not {parsed.drivername}://")
     return parsed.set(drivername="postgresql+psycopg").render_as_string(hide_password=False)
-
-
-def is_loopback(host: str) -> bool:
-    """Whether only this machine can reach `host`."""
-    if host == "localhost":
-        return True
-    try:
-        return ip_address(host.strip("[]")).is_loopback
-    except ValueError:
-        return False
 
 
 @cache
