@@ -19,6 +19,7 @@ VARIANTS: dict[str, dict[str, str]] = {
     "scaled by a metric": {"autoscaling.kind": "hpa"},
     "plain": {"ingress.tls": "false", "networkPolicies.enabled": "false", "podDisruptionBudgets.enabled": "false"},
     "watched": {"monitoring.dashboard": "true"},
+    "kept": {"backup.enabled": "true", "backup.restore": "newest"},
 }
 
 
@@ -88,6 +89,36 @@ def test_every_server_is_started_again_when_it_hears_nothing_any_more() -> None:
     assert all(d["spec"]["template"]["spec"]["containers"][0]["livenessProbe"] for d in deployments)
 
 
+def test_what_ours_do_goes_through_the_entrypoint_of_the_image() -> None:
+    image = NEEDED["image.repository"]
+    containers = [
+        container
+        for document in rendered(**OWN)
+        if document["kind"] in {"Deployment", "Job"}
+        for container in document["spec"]["template"]["spec"]["containers"]
+    ]
+    ours = [container for container in containers if container["image"].startswith(image)]
+    assert len(ours) == 7
+    assert all("args" in container and "command" not in container for container in ours)
+
+
+@pytest.mark.parametrize(
+    ("moment", "words"), [("newest", []), ("2026-11-22T10-00-00Z", ["--moment", "2026-11-22T10-00-00Z"])]
+)
+def test_a_backup_is_made_each_night_and_brought_back_when_it_is_asked_for(moment: str, words: list[str]) -> None:
+    documents = rendered(**{"backup.enabled": "true", "backup.restore": moment})
+    made = {document["kind"]: document for document in documents if "backup" in str(document)}
+    assert set(made) == {"PersistentVolumeClaim", "CronJob", "Job"}
+    pods = [made["CronJob"]["spec"]["jobTemplate"]["spec"]["template"]["spec"], made["Job"]["spec"]["template"]["spec"]]
+    said = [["backup", "/backups"], ["restore", "/backups", *words]]
+    for pod, arguments in zip(pods, said, strict=True):
+        (container,) = pod["containers"]
+        assert container["args"] == ["dropflow-server", *arguments]
+        assert {"name": "backups", "mountPath": "/backups"} in container["volumeMounts"]
+        assert container["securityContext"]["readOnlyRootFilesystem"] is True
+    assert "backup" not in str(rendered())
+
+
 @pytest.mark.parametrize(
     ("values", "field"),
     [
@@ -98,6 +129,7 @@ def test_every_server_is_started_again_when_it_hears_nothing_any_more() -> None:
         ({"workers.shards.concurrency": "0"}, "/workers/shards/concurrency"),
         ({"autoscaling.kind": "keda"}, "/autoscaling/redisAddress"),
         ({"settings.log_level": "DEBUG"}, "log_level"),
+        ({"backup.restore": "newest"}, "/backup/enabled"),
     ],
 )
 def test_wrong_values_are_refused_with_their_name(values: dict[str, str], field: str) -> None:

@@ -41,7 +41,8 @@ securityContext:
   capabilities: {drop: [ALL]}
 {{- end }}
 
-{{/* What each of our own containers has: image, settings, scratch space. */}}
+{{/* What each of our own containers has: image, settings, scratch space. What it does is said as `args`: `command` would
+     take the place of the image's entrypoint, which puts compiled code where it is found. */}}
 {{- define "dropflow.container" -}}
 image: {{ include "dropflow.image" . }}
 imagePullPolicy: {{ .Values.image.pullPolicy }}
@@ -65,7 +66,7 @@ volumeMounts:
 {{- define "dropflow.await" -}}
 - name: await-database
   {{- include "dropflow.container" . | nindent 2 }}
-  command: [dropflow-server, await-database]
+  args: [dropflow-server, await-database]
   resources:
     requests: {cpu: 10m, memory: 128Mi}
     limits: {memory: 256Mi}
