@@ -92,11 +92,11 @@ def print_sweep(scratch: Path, seed: int, n_frames: int, _names: list[str]) -> N
         )
 
 
-def print_flows(scratch: Path, seed: int, n_frames: int, _names: list[str]) -> None:
-    """Other flows than those that the estimator knows best."""
+def print_flows(scratch: Path, seed: int, n_frames: int, names: list[str]) -> None:
+    """Other flows than those that the estimator knows best, of `fast` and `dense` where these are asked for."""
     cases = ({"kspread": 0.4}, {"kspread": 0.8}, {"wake_strength": 0.5}, {"wake_strength": 1.0})
     for changes in cases:
-        for name in ("fast", "dense"):
+        for name in (name for name in ("fast", "dense") if name in names):
             film = simulated(scratch, name, seed, n_frames, with_images=False, **changes)
             ((key, value),) = changes.items()
             label = f"{name} {key.removesuffix('_strength')} {value:g}"

@@ -69,19 +69,8 @@ def possible_pairs(
                 off_x, off_y = seen[0, other] - x, seen[1, other] - y
                 if off_x * off_x + off_y * off_y > reach * reach:
                     continue
-                across_variance = expected[2, one] + seen[2, other]
-                along_variance = expected[3, one] + seen[2, other]
-                across, along = -up[1] * off_x + up[0] * off_y, up[0] * off_x + up[1] * off_y
-                square = across * across / across_variance + along * along / along_variance
-                if square >= 2 * _REACH_STD**2:
-                    continue
-                place = -_LOG_2_PI - np.log(across_variance * along_variance) / 2
-                place -= (TAIL / 2 + 1) * np.log1p(square / TAIL)
-                variance = expected[5, one] + seen[4, other] + _RADIUS_MODEL_STD**2
-                log_ratio = seen[3, other] - expected[4, one]
-                radius = _LOG_T_NORM - np.log(variance) / 2
-                radius -= (TAIL + 1) / 2 * np.log1p(log_ratio * log_ratio / variance / TAIL)
-                odds = place + radius + log_odds[other]
+                odds, square = _log_likelihood(expected[:, one], seen[:, other], up)
+                odds += log_odds[other]
                 if odds <= _LEAST_LOG_ODDS:
                     continue
                 slot = count
@@ -93,6 +82,26 @@ def possible_pairs(
                     count += 1
                 first[slot], second[slot], weight[slot], squares[slot] = one, other, odds, square
     return first[:count], second[:count], weight[:count], squares[:count]
+
+
+@numba.njit(cache=True)
+def _log_likelihood(
+    expected: Column, seen: Column, up: tuple[float, float]
+) -> tuple[float, float]:  # pragma: no cover - compiled
+    """Of one pair, and its squared Mahalanobis distance; of a pair that is out of the question minus infinity."""
+    off_x, off_y = seen[0] - expected[0], seen[1] - expected[1]
+    across, along = -up[1] * off_x + up[0] * off_y, up[0] * off_x + up[1] * off_y
+    across_variance, along_variance = expected[2] + seen[2], expected[3] + seen[2]
+    square = across * across / across_variance + along * along / along_variance
+    if square >= 2 * _REACH_STD**2:
+        return -np.inf, square
+    place = -_LOG_2_PI - np.log(across_variance * along_variance) / 2
+    place -= (TAIL / 2 + 1) * np.log1p(square / TAIL)
+    variance = expected[5] + seen[4] + _RADIUS_MODEL_STD**2
+    log_ratio = seen[3] - expected[4]
+    radius = _LOG_T_NORM - np.log(variance) / 2
+    radius -= (TAIL + 1) / 2 * np.log1p(log_ratio * log_ratio / variance / TAIL)
+    return place + radius, square
 
 
 @numba.njit(cache=True)

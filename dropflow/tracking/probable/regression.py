@@ -130,13 +130,12 @@ def solve(matrix: Matrix, vector: Column, prior: Column) -> tuple[Matrix, Column
     return factor, np.asarray(whitened)
 
 
-def covariance_of(factor: Matrix, prior: Column) -> Matrix:
-    """Covariance of the unknowns after the observations, from the factor that `solve` gives."""
+def inverse_of(factor: Matrix) -> Matrix:
+    """Covariance of the unknowns after the observations, in units of their prior, from the factor of `solve`."""
     lower, _ = lapack.dpotri(factor, lower=1)
-    root = np.sqrt(prior)
     inverse = lower + lower.T
     inverse[np.diag_indices_from(inverse)] /= 2
-    return np.asarray(inverse * root[:, None] * root)
+    return np.asarray(inverse)
 
 
 def variance_series(factor: Matrix, model: Model) -> Complex:

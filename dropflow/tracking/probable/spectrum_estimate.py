@@ -3,20 +3,24 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import minimize
 
 from dropflow.tracking.grid import Column, Grid
 from dropflow.tracking.probable.directions import Up
-from dropflow.tracking.probable.least_squares import Model, Observations, Sums, normal_equations, weights
-from dropflow.tracking.probable.regression import covariance_of, solve
+from dropflow.tracking.probable.evidence import Evidence, evidence, parameters_of, spectrum_of
+from dropflow.tracking.probable.least_squares import Model, Observations
 from dropflow.tracking.probable.spectrum import Spectrum
 from dropflow.tracking.probable.waves import Waves
 
 _MOST_LATTICES = 3
 _SAME_LENGTH = 0.25
 """A length that changed by less than this (in ln) does not need another lattice of waves."""
-_STEP = 1e-4
-_LEAST_WEIGHT = 1e-12
+_LONGEST_STEP = 1.5
+"""Of a parameter at once; most are logarithms."""
+_NEGLIGIBLE_GAIN = 0.03
+"""Of the logarithm of the evidence."""
+_MOSTLY = 0.5
+"""A step that keeps less of what it promised is followed by a shorter one."""
+_FIRST_DAMPING, _DAMPING = 0.3, 4.0
 _NEGLIGIBLE_SHARE = 0.01
 """A flow with less of its energy in a potential is taken to have none."""
 _USUAL_LENGTH_SHARE = 0.15
@@ -30,9 +34,10 @@ class _Prior:
     mean: Column
     std: Column
 
-    def penalty(self, parameters: Column) -> tuple[float, Column]:
+    def weigh(self, seen: Evidence, parameters: Column) -> Evidence:
+        """What was seen and what was expected, together."""
         off = (parameters - self.mean) / self.std
-        return float(off @ off) / 2, np.asarray(off / self.std)
+        return seen + Evidence(-float(off @ off) / 2, np.asarray(-off / self.std), np.diag(self.std**-2.0))
 
 
 def estimate_spectrum(
@@ -74,76 +79,31 @@ def estimate_spectrum(
 
 
 def _climb(steps: list[Observations], model: Model, prior: _Prior, most_iterations: int) -> Spectrum:
-    def loss(parameters: Column) -> tuple[float, Column]:
-        penalty, slope = prior.penalty(parameters)
-        value, gradient = evidence(steps, model, parameters)
-        return penalty - value, slope - gradient
+    """Fisher scoring: each step to the top of the paraboloid that the evidence should be, shorter ones where it is not.
 
-    start = parameters_of(model.spectrum)
+    Climbing ends where less than `_NEGLIGIBLE_GAIN` is to be won: nothing that data could tell apart.
+    """
     low, high = prior.mean - 4 * prior.std, prior.mean + 4 * prior.std
-    result = minimize(
-        loss,
-        np.clip(start, low, high),
-        jac=True,
-        method="L-BFGS-B",
-        bounds=np.column_stack([low, high]),
-        options={"maxiter": most_iterations, "ftol": 1e-5},
-    )
-    return _spectrum(np.asarray(result.x, np.float64))
-
-
-def evidence(steps: list[Observations], model: Model, parameters: Column) -> tuple[float, Column]:
-    """Logarithm of the evidence and its slope with each parameter."""
-    at = replace(model, spectrum=_spectrum(parameters))
-    value, gradient = 0.0, np.zeros(len(parameters))
-    by_prior = np.zeros(len(at.prior))
-    for step in steps:
-        one, slope_prior, slope_noise = _evidence_of_step(step, at)
-        value += one
-        by_prior += slope_prior
-        gradient[4] += slope_noise * 2 * at.spectrum.noise_um_s**2
-    for index in range(4):
-        shifted = parameters.copy()
-        shifted[index] += _STEP
-        change = replace(model, spectrum=_spectrum(shifted)).prior - at.prior
-        gradient[index] = by_prior @ change / _STEP
-    return value, gradient
-
-
-def _evidence_of_step(step: Observations, model: Model) -> tuple[float, Column, float]:
-    """Log evidence, its slope with the prior variance of each unknown, and with the variance of the noise."""
-    points = model.waves.at(step.x_px, step.y_px)
-    weight = weights(step, model.spectrum.noise_um_s)
-    matrix, vector = normal_equations(Sums.over(step, points, weight), model)
-    factor, whitened = solve(matrix, vector, model.prior)
-    covariance = covariance_of(factor, model.prior)
-    amplitudes = covariance @ vector
-    value_along = step.along_um_s - model.factor_mean * step.sedimentation_um_s
-    values = np.stack([step.across_um_s, value_along])
-    noise = model.spectrum.noise_um_s**2
-    log_noise = step.weight @ (np.log(step.across_variance + noise) + np.log(step.along_variance + noise))
-    value = (whitened @ whitened - (weight * values**2).sum() - log_noise) / 2 - np.log(np.diag(factor)).sum()
-    slope_prior = ((amplitudes**2 + np.diag(covariance)) / model.prior**2 - 1 / model.prior) / 2
-    # The slope with the noise: squares of residuals and of the flow's error, weighted with the square of the weights.
-    twice = weight**2 / np.maximum(step.weight, _LEAST_WEIGHT)
-    matrix_2, vector_2 = normal_equations(Sums.over(step, points, twice), model)
-    residual = (twice * values**2).sum() - 2 * amplitudes @ vector_2 + amplitudes @ matrix_2 @ amplitudes
-    slope_noise = (residual + (covariance * matrix_2).sum() - weight.sum()) / 2
-    return float(value), np.asarray(slope_prior), float(slope_noise)
-
-
-def _spectrum(parameters: Column) -> Spectrum:
-    rms, length, odds, broadness, noise = parameters.tolist()
-    share = 1 / (1 + np.exp(-odds))
-    return Spectrum(
-        float(np.exp(rms)), float(np.exp(length)), float(share), float(np.exp(broadness)), float(np.exp(noise))
-    )
-
-
-def parameters_of(spectrum: Spectrum) -> Column:
-    odds = np.log(spectrum.potential_share / (1 - spectrum.potential_share))
-    logs = np.log([spectrum.rms_um_s, spectrum.length_px, spectrum.broadness, spectrum.noise_um_s])
-    return np.array([logs[0], logs[1], odds, logs[2], logs[3]])
+    at = np.clip(parameters_of(model.spectrum), low, high)
+    here = prior.weigh(evidence(steps, model, at), at)
+    damping = 0.0
+    for _ in range(most_iterations):
+        is_held = ((at <= low) & (here.slope < 0)) | ((at >= high) & (here.slope > 0))
+        slope = np.where(is_held, 0.0, here.slope)
+        bend = here.information + damping * np.diag(np.diag(here.information))
+        bend[is_held] = bend[:, is_held] = 0
+        bend[is_held, is_held] = 1
+        step = np.clip(np.linalg.solve(bend, slope), -_LONGEST_STEP, _LONGEST_STEP)
+        step = np.clip(at + step, low, high) - at
+        promised = here.slope @ step - step @ here.information @ step / 2
+        if promised < _NEGLIGIBLE_GAIN:
+            break
+        there = prior.weigh(evidence(steps, model, at + step), at + step)
+        kept = (there.value - here.value) / promised
+        damping = damping / _DAMPING if kept > _MOSTLY else max(damping * _DAMPING, _FIRST_DAMPING)
+        if kept > 0:
+            at, here = at + step, there
+    return spectrum_of(at)
 
 
 def _prior_of(steps: list[Observations], grid: Grid) -> _Prior:
@@ -157,6 +117,6 @@ def _prior_of(steps: list[Observations], grid: Grid) -> _Prior:
 
 
 def _first_guess(prior: _Prior, grid: Grid, up: Up) -> Model:
-    spectrum = _spectrum(prior.mean)
+    spectrum = spectrum_of(prior.mean)
     waves = Waves.over(grid, spectrum.length_px)
     return Model(waves, spectrum, up, with_potential=True, factor_mean=0.0, factor_variance=0.3**2)

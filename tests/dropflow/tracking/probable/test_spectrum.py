@@ -3,9 +3,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from dropflow.tracking.probable.evidence import evidence, parameters_of
 from dropflow.tracking.probable.least_squares import Model, Observations
 from dropflow.tracking.probable.spectrum import Spectrum
-from dropflow.tracking.probable.spectrum_estimate import estimate_spectrum, evidence, parameters_of
+from dropflow.tracking.probable.spectrum_estimate import estimate_spectrum
 from dropflow.tracking.probable.waves import Waves
 from tests.dropflow.tracking.probable.test_regression import GRID, UP, observations, random_flow, seen_in
 
@@ -19,11 +20,11 @@ def test_the_slope_of_the_evidence_is_that_of_its_differences() -> None:
     """With each of the five parameters."""
     model, steps = some_model(), [observations(40, seed) for seed in (1, 2)]
     parameters = parameters_of(model.spectrum) + 0.1
-    _, slope = evidence(steps, model, parameters)
+    slope = evidence(steps, model, parameters).slope
     step = 1e-4
     for index in range(5):
         shift = step * np.eye(5)[index]
-        above, below = (evidence(steps, model, parameters + sign * shift)[0] for sign in (1, -1))
+        above, below = (evidence(steps, model, parameters + sign * shift).value for sign in (1, -1))
         assert slope[index] == pytest.approx((above - below) / (2 * step), rel=1e-2, abs=1e-2)
 
 

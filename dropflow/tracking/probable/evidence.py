@@ -1,0 +1,107 @@
+"""How probable the velocities of droplets are under a spectrum of the flow, its slope, and how sharply it bends."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from dropflow.tracking.grid import Column
+from dropflow.tracking.probable.least_squares import Model, Observations, Sums, normal_equations, weights
+from dropflow.tracking.probable.regression import inverse_of, solve
+from dropflow.tracking.probable.spectrum import Spectrum
+from dropflow.tracking.probable.waves import Matrix
+
+N_PARAMETERS = 5
+_NOISE = 4
+"""Index of the noise among the parameters; those before it make the prior of the unknowns."""
+_STEP = 1e-4
+_LEAST_WEIGHT = 1e-12
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """Of some parameters (`parameters_of`); sums over steps are sums of these."""
+
+    value: float
+    """Logarithm, up to a constant."""
+    slope: Column
+    """With each parameter, shape (5,)."""
+    information: Matrix
+    """Fisher's: how sharply the value bends down around its top, on average; shape (5, 5)."""
+
+    def __add__(self, other: "Evidence") -> "Evidence":
+        return Evidence(self.value + other.value, self.slope + other.slope, self.information + other.information)
+
+
+def evidence(steps: list[Observations], model: Model, parameters: Column) -> Evidence:
+    """Of steps that are independent of each other, under `model` with other parameters of its spectrum."""
+    at = replace(model, spectrum=spectrum_of(parameters))
+    log_slopes = np.empty((_NOISE, len(at.prior)))
+    for index in range(_NOISE):
+        shifted = parameters.copy()
+        shifted[index] += _STEP
+        log_slopes[index] = np.log(replace(model, spectrum=spectrum_of(shifted)).prior / at.prior) / _STEP
+    first, *others = (_of_step(step, at, log_slopes) for step in steps)
+    return sum(others, start=first)
+
+
+def _of_step(step: Observations, model: Model, log_slopes: Matrix) -> Evidence:
+    """`log_slopes` are those of the logarithm of the prior with the parameters that make it."""
+    points = model.waves.at(step.x_px, step.y_px)
+    weight = weights(step, model.spectrum.noise_um_s)
+    matrix, vector = normal_equations(Sums.over(step, points, weight), model)
+    factor, whitened = solve(matrix, vector, model.prior)
+    inverse, root = inverse_of(factor), np.sqrt(model.prior)
+    amplitudes = inverse @ (root * vector)  # in units of the prior
+    value_along = step.along_um_s - model.factor_mean * step.sedimentation_um_s
+    values = np.stack([step.across_um_s, value_along])
+    noise = model.spectrum.noise_um_s**2
+    log_noise = step.weight @ (np.log(step.across_variance + noise) + np.log(step.along_variance + noise))
+    value = (whitened @ whitened - (weight * values**2).sum() - log_noise) / 2 - np.log(np.diag(factor)).sum()
+    # The slope with the noise: squares of residuals and of the flow's error, weighted with the square of the weights.
+    twice = weight**2 / np.maximum(step.weight, _LEAST_WEIGHT)
+    matrix_2, vector_2 = normal_equations(Sums.over(step, points, twice), model)
+    unscaled = root * amplitudes
+    residual = (twice * values**2).sum() - 2 * unscaled @ vector_2 + unscaled @ matrix_2 @ unscaled
+    slope_noise = (residual + root @ (inverse * matrix_2) @ root - weight.sum()) / 2
+    slope_prior = log_slopes @ (amplitudes**2 + np.diag(inverse) - 1) / 2
+    per_log = 2 * noise
+    share = per_log * float(twice.sum() / max(weight.sum(), _LEAST_WEIGHT))
+    return Evidence(
+        float(value),
+        np.append(slope_prior, slope_noise * per_log),
+        _information(inverse, log_slopes, share, 2 * len(step)),
+    )
+
+
+def _information(inverse: Matrix, log_slopes: Matrix, noise_share: float, n_values: int) -> Matrix:
+    """Half the trace of K^-1 dK K^-1 dK', K being the covariance of all velocities.
+
+    All observations are taken to have the same share of noise in their variance: it decides how fast the top is found,
+    not where it is.
+    """
+    squares = inverse**2
+    diagonal = np.diag(inverse)
+    information = np.empty((N_PARAMETERS, N_PARAMETERS))
+    learnt = squares.copy()  # of 1 - inverse, element by element
+    learnt[np.diag_indices_from(learnt)] = (1 - diagonal) ** 2
+    information[:_NOISE, :_NOISE] = log_slopes @ learnt @ log_slopes.T
+    with_noise = noise_share * (log_slopes @ (diagonal - squares.sum(axis=1)))
+    information[_NOISE, :_NOISE] = information[:_NOISE, _NOISE] = with_noise
+    information[_NOISE, _NOISE] = noise_share**2 * max(n_values - len(inverse) + squares.sum(), 1.0)
+    return information / 2
+
+
+def spectrum_of(parameters: Column) -> Spectrum:
+    """The spectrum that `parameters_of` was given."""
+    rms, length, odds, broadness, noise = parameters.tolist()
+    share = 1 / (1 + np.exp(-odds))
+    return Spectrum(
+        float(np.exp(rms)), float(np.exp(length)), float(share), float(np.exp(broadness)), float(np.exp(noise))
+    )
+
+
+def parameters_of(spectrum: Spectrum) -> Column:
+    """Logarithms, and log odds of the share of the potential, shape (5,); the noise stands last."""
+    odds = np.log(spectrum.potential_share / (1 - spectrum.potential_share))
+    logs = np.log([spectrum.rms_um_s, spectrum.length_px, spectrum.broadness, spectrum.noise_um_s])
+    return np.array([logs[0], logs[1], odds, logs[2], logs[3]])
