@@ -4,15 +4,15 @@ import csv
 import json
 import sys
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from dropflow.cli.server_options import ServerAddress, is_results_folder
-from dropflow.client import Client, WentWrong
 from dropflow.errors import DropflowError
-from dropflow.results import open_results
-from dropflow.statistics.side_by_side import flat
+
+if TYPE_CHECKING:
+    from dropflow.client import Client
 
 Json = dict[str, Any]
 
@@ -33,6 +33,9 @@ def compare(
     """
     if len(runs) < 2:
         raise DropflowError("Give two runs or more.", code="compare.one_run")
+    # Imported here, for it takes seconds and `--help` and wrong options need none of it.
+    from dropflow.statistics.side_by_side import flat
+
     columns = [dict(flat(summary)) for summary in _summaries(runs, server)]
     names = list(dict.fromkeys(name for column in columns for name in column))
     rows = [[name, *(_text(column.get(name)) for column in columns)] for name in names]
@@ -47,6 +50,9 @@ def compare(
 
 
 def _summaries(runs: list[str], server: str | None) -> list[Json]:
+    from dropflow.client import Client
+    from dropflow.results import open_results
+
     folders = {run for run in runs if is_results_folder(run)}
     if len(folders) == len(set(runs)):
         return [open_results(Path(run)).summary for run in runs]
@@ -54,7 +60,9 @@ def _summaries(runs: list[str], server: str | None) -> list[Json]:
         return [open_results(Path(run)).summary if run in folders else _summary(client, run) for run in runs]
 
 
-def _summary(client: Client, run: str) -> Json:
+def _summary(client: "Client", run: str) -> Json:
+    from dropflow.client import WentWrong
+
     found = client.runs.get(run)
     if found.summary is None:
         raise WentWrong(f"The run {run} is {found.state}: it has no results.", code="client.not_yet")

@@ -5,9 +5,7 @@ from typing import Annotated
 
 import typer
 
-from dropflow.exports import Kind
-from dropflow.exports import export as write_export
-from dropflow.results import open_results
+from dropflow.exports.kinds import Kind
 
 
 def export(
@@ -21,5 +19,9 @@ def export(
 
     Example: `dropflow export results/ --kind trackmate --output tracks.xml`
     """
+    # Imported here, for it takes seconds and `--help` and wrong options need none of it.
+    from dropflow.exports.write import export as write_export
+    from dropflow.results import open_results
+
     write_export(open_results(results), kind, output)
     typer.echo(f"The export is in {output}")

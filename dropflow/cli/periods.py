@@ -1,16 +1,15 @@
 """`dropflow periods`: periods of several experiments against their driving parameter."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from dropflow.errors import ParametersError
-from dropflow.figures.oscillations import periods_against_driving
-from dropflow.results import open_results
-from dropflow.statistics.comparison import DrivenPeriods, LeftOut, driven_periods, law_of, table_of
-from dropflow.statistics.findings import Findings
 from dropflow.statistics.oscillations import LATER_THEORY_EXPONENT, Signal
+
+if TYPE_CHECKING:
+    from dropflow.statistics.comparison import DrivenPeriods, LeftOut
 
 
 def periods(
@@ -32,6 +31,10 @@ def periods(
     """
     if xi and len(xi) != len(results):
         raise ParametersError(f"Give --xi once for each folder: there are {len(results)}, and {len(xi)} values.")
+    # Imported here, for it takes seconds and `--help` and wrong options need none of it.
+    from dropflow.figures.oscillations import periods_against_driving
+    from dropflow.statistics.comparison import DrivenPeriods, LeftOut, law_of, table_of
+
     found = [_of(path, xi[i] if xi else None, signal) for i, path in enumerate(results)]
     used = [one for one in found if isinstance(one, DrivenPeriods)]
     for one in found:
@@ -49,7 +52,11 @@ def periods(
     )
 
 
-def _of(path: Path, xi: float | None, signal: Signal) -> DrivenPeriods | LeftOut:
+def _of(path: Path, xi: float | None, signal: Signal) -> "DrivenPeriods | LeftOut":
+    from dropflow.results import open_results
+    from dropflow.statistics.comparison import driven_periods
+    from dropflow.statistics.findings import Findings
+
     opened = open_results(path)
     findings = Findings(opened.facts, opened.condensed, signal=signal)
     return driven_periods(path.name or str(path), findings, driving_per_s=xi)

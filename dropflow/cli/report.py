@@ -7,15 +7,12 @@ import typer
 
 from dropflow.cli.options import frame_at
 from dropflow.errors import ParametersError
-from dropflow.figures.static import ImageFormat
-from dropflow.frames import Choice, open_frames
-from dropflow.physics.temperature_log import read_temperature_log
-from dropflow.report.page import write_report
-from dropflow.results import Results, open_results
+from dropflow.report.images import ImageFormat
 from dropflow.statistics.oscillations import Signal
 
 if TYPE_CHECKING:
     from dropflow.figures.example import Example
+    from dropflow.results import Results
 
 
 def report(
@@ -43,6 +40,11 @@ def report(
     """
     if (frame is None) != (stack is None):
         raise ParametersError("Give --frame and --stack together: the results keep only the frame in the middle.")
+    # Imported here, for it takes seconds and `--help` and wrong options need none of it.
+    from dropflow.physics.temperature_log import read_temperature_log
+    from dropflow.report.page import write_report
+    from dropflow.results import open_results
+
     opened = open_results(results)
     example = None if frame is None or stack is None else _example_of(opened, stack, frame)
     temperature = None if temperature_log is None else read_temperature_log(temperature_log)
@@ -53,13 +55,14 @@ def report(
     typer.echo(f"The report is in {output}")
 
 
-def _example_of(results: Results, stack: Path, frame: int) -> "Example":
+def _example_of(results: "Results", stack: Path, frame: int) -> "Example":
     """A frame of the stack, prepared as the analysis did."""
     # Imported here, for it takes seconds and a report of the frame that was kept needs none of it.
     from dropflow import pipeline
     from dropflow.analysis import flat_field_beside
     from dropflow.detections import DropletReader
     from dropflow.figures.example import make_example
+    from dropflow.frames import Choice, open_frames
 
     experiment, parameters = results.experiment, results.parameters
     with open_frames(stack, Choice.of(experiment)) as frames:

@@ -2,13 +2,14 @@
 
 import json
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.console import Console
 from rich.table import Table
 
-from dropflow.scoring import Report, score_results
+if TYPE_CHECKING:
+    from dropflow.scoring import Report
 
 _TITLES = {
     "detection": "Droplets (droplets.parquet)",
@@ -36,6 +37,9 @@ def score(
 
     Example: `dropflow score results/ --truth film/truth.parquet`
     """
+    # Imported here, for it takes seconds and `--help` and wrong options need none of it.
+    from dropflow.scoring import score_results
+
     report = score_results(results, truth)
     if is_json:
         typer.echo(json.dumps(report.to_json(), indent=2))
@@ -46,7 +50,7 @@ def score(
         console.print(f"Not there, so not scored: {', '.join(report.missing)}")
 
 
-def _table(report: Report) -> Table:
+def _table(report: "Report") -> Table:
     table = Table("score", "value", title_justify="left")
     table.columns[1].justify = "right"
     scores = report.to_json()

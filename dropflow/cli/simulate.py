@@ -9,10 +9,7 @@ import typer
 
 from dropflow.cli import progress
 from dropflow.experiment import DropletTone
-from dropflow.simulation.film import Film
-from dropflow.simulation.oscillating import OSCILLATING, write_oscillating
 from dropflow.simulation.scenario import SCENARIOS, Scenario, changed, named_scenario
-from dropflow.simulation.write import write_experiment
 
 _SHOWN_FIRST = ("height_px", "width_px")
 _PANEL = "Constants of the scenario (shown: the default of most scenarios)"
@@ -37,6 +34,11 @@ def _simulate(
 
     Example: `dropflow simulate film/ --scenario dense --frames 50 --seed 1 --height 512 --width 612`
     """
+    # Imported here, for it takes seconds and `--help` and wrong options need none of it.
+    from dropflow.simulation.film import Film
+    from dropflow.simulation.oscillating import OSCILLATING, write_oscillating
+    from dropflow.simulation.write import write_experiment
+
     changes = {name: value for name, value in constants.items() if value is not None}
     sizes = {"height_px": height, "width_px": width}
     changes |= {name: value for name, value in sizes.items() if value is not None}

@@ -11,9 +11,9 @@ import yaml
 from plotly.offline import get_plotlyjs
 
 from dropflow.figures.example import Example
-from dropflow.figures.static import ImageFormat, write_images
 from dropflow.physics.temperature_log import TemperatureLog
 from dropflow.report.frames import FrameSource
+from dropflow.report.images import ImageFormat, write_images
 from dropflow.report.sections import Section, sections
 from dropflow.report.words import Summary, methods_of, numbers_of, parameters_of, warnings_of
 from dropflow.results import Results

@@ -1,7 +1,7 @@
 """Every constant of a simulated experiment, once. The scenarios of the docs are instances; `vary` draws others."""
 
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 from pydantic import Field, ValidationError, model_validator
@@ -10,7 +10,9 @@ from dropflow import documents
 from dropflow.documents import StrictModel
 from dropflow.errors import FieldProblem, ParametersError
 from dropflow.experiment import DropletTone, Experiment, FixedMaterial, Phase
-from dropflow.tracking.grid import Grid
+
+if TYPE_CHECKING:
+    from dropflow.tracking.grid import Grid
 
 FULL_HEIGHT_PX = 2058
 FULL_WIDTH_PX = 2448
@@ -164,8 +166,11 @@ class Scenario(StrictModel):
         return self.droplets is DropletTone.DARK
 
     @property
-    def grid(self) -> Grid:
+    def grid(self) -> "Grid":
         """Where the true flow is written down."""
+        # Imported here, for tracking takes seconds to load and the constants are read without it.
+        from dropflow.tracking.grid import Grid
+
         return Grid(self.height_px, self.width_px, self.n_rows, self.n_columns)
 
     def experiment(self, *, seed: int, is_with_flat_field: bool = True) -> Experiment:

@@ -15,7 +15,8 @@ import xarray
 import zarr
 
 from dropflow.errors import ResultsError
-from dropflow.exports import SUFFIX, Kind, export
+from dropflow.exports.kinds import SUFFIX, Kind
+from dropflow.exports.write import export
 from dropflow.results import Results, open_results
 from dropflow.tables import TRAJECTORIES
 

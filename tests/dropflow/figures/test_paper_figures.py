@@ -10,10 +10,8 @@ import plotly.graph_objects as go
 import pytest
 
 from dropflow import figures
-from dropflow.errors import DropflowError
 from dropflow.figures import working
 from dropflow.figures.following import Direction
-from dropflow.figures.static import ImageFormat, write_images
 from dropflow.parameters import PaperDetection
 from dropflow.physics.material import MixtureProperties
 from dropflow.physics.material_files import MaterialFile, find_material
@@ -149,17 +147,3 @@ def test_importing_statistics_needs_no_figures() -> None:
     code = "import sys, dropflow.statistics.histograms; sys.exit('plotly' in sys.modules)"
     root = Path(__file__).parents[3]
     assert subprocess.run([sys.executable, "-c", code], cwd=root, check=False, timeout=60).returncode == 0
-
-
-def test_figures_are_written_as_files_to_print(material: MaterialFile, tmp_path: Path) -> None:
-    (path,) = write_images({"phase-diagram": figures.phase_diagram(material)}, tmp_path / "new", ImageFormat.SVG)
-    assert path.name == "phase-diagram.svg"
-    assert "temperature T" in path.read_text()
-
-
-def test_without_kaleido_files_to_print_are_refused_with_what_to_install(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setitem(sys.modules, "kaleido", None)
-    with pytest.raises(DropflowError, match="figures"):
-        write_images({}, tmp_path, ImageFormat.PNG)

@@ -3,10 +3,12 @@
 from collections.abc import Mapping
 from enum import StrEnum
 from pathlib import Path
-
-import plotly.graph_objects as go
+from typing import TYPE_CHECKING
 
 from dropflow.errors import DropflowError
+
+if TYPE_CHECKING:
+    import plotly.graph_objects as go
 
 _SCALE = 3
 """Pixels of a PNG per CSS pixel: 288 dpi."""
@@ -20,7 +22,7 @@ class ImageFormat(StrEnum):
     PDF = "pdf"
 
 
-def write_images(figures: Mapping[str, go.Figure], folder: Path, kind: ImageFormat) -> list[Path]:
+def write_images(figures: "Mapping[str, go.Figure]", folder: Path, kind: ImageFormat) -> list[Path]:
     """Write each figure to ``<name>.<kind>`` in `folder`; return the files.
 
     Raises
