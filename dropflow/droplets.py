@@ -1,6 +1,7 @@
 """The droplets of one frame as arrays: what detection gives and tracking takes."""
 
 from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -49,10 +50,15 @@ class Droplets:
 
     def to_table(self, *, frame: int, time_s: float, pixel_size_um: float) -> pa.Table:
         """These droplets as rows of `dropflow.tables.DROPLETS`."""
+        columns = self.to_columns(frame=frame, time_s=time_s, pixel_size_um=pixel_size_um)
+        return pa.table(columns, schema=tables.DROPLETS)
+
+    def to_columns(self, *, frame: int, time_s: float, pixel_size_um: float) -> dict[str, npt.NDArray[Any]]:
+        """The columns of that table."""
         pixels = {column.name: getattr(self, column.name) for column in fields(self)}
         micrometres = {f"{axis}_um": pixels[f"{axis}_px"] * pixel_size_um for axis in "xyr"}
         where = {"frame": np.full(len(self), frame, np.int32), "time_s": np.full(len(self), time_s)}
-        return pa.table(where | pixels | micrometres, schema=tables.DROPLETS)
+        return where | pixels | micrometres
 
     @staticmethod
     def from_table(table: pa.Table) -> "Droplets":

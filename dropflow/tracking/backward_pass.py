@@ -53,17 +53,17 @@ class BackwardPass:
         part = self.n_parts - 1 - turn
         found, notes = self._found.read(part), self._notes.read(part)
         frames = found["frame"].to_numpy()
-        tables: list[pa.Table] = []
+        fronts: list[Front] = []
         complete: list[Trails] = []
         for frame in reversed(self._film.frames_of(part)):
             start, stop = np.searchsorted(frames, [frame, frame + 1])
             complete.append(self._step_to(frame, Front.from_table(found.slice(start, stop - start))))
             self._notes_of_step = notes_of(notes, frame)
-            tables.append(self._front.to_table(frame))
+            fronts.append(self._front)
             tick()
         if part == 0:
             complete.append(self._trails)
-        self._rows.write(part, pa.concat_tables(tables[::-1]))
+        self._rows.write(part, Front.to_table(fronts[::-1], self._film.frames_of(part)[0]))
         verdicts = [trails.to_verdicts(self._chain.judge(trails)) for trails in complete]
         self._verdicts.write(part, pa.concat_tables([VERDICTS.empty_table(), *verdicts]))
 

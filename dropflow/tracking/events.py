@@ -40,6 +40,8 @@ the product's volume minus that of both, in its own standard deviations. A birth
 was seen first or last. What was there in the first frame, or still is in the last one, has no birth or no exit.
 """
 
+Row = dict[str, object]
+"""One of these, as far as it has values."""
 
 _CUT_RADII = 1.0
 """A droplet whose centre is nearer to the border than this many radii is cut by it."""
@@ -93,7 +95,7 @@ class Surroundings:
 
 def events_of_step(
     seen: Sightings, frame: int, times_s: Column, flow_um_s: npt.NDArray[np.float64], around: Surroundings
-) -> pa.Table:
+) -> list[Row]:
     """The events between `frame` and the next, rows of `EVENTS`.
 
     Parameters
@@ -126,14 +128,14 @@ def events_of_step(
         causes = _causes(seen, which, place_px, others, around)
         for row, cause in zip(which.tolist(), causes, strict=True):
             rows.append(_row(seen, row, frame + 1, time_s, kind, cause, around.motion.pixel_size_um))
-    return pa.Table.from_pylist(rows, schema=EVENTS)
+    return rows
 
 
-def row_of_shift(frame: int, time_s: float, shift_px: Column) -> pa.Table:
+def row_of_shift(frame: int, time_s: float, shift_px: Column) -> Row:
     """The event that the camera moved before `frame`."""
     x_px, y_px = (-shift_px).tolist()
-    row = {"frame": frame, "time_s": time_s, "kind": str(Kind.SHIFT), "cause": str(Cause.CAMERA)}
-    return pa.Table.from_pylist([{**row, "x_px": x_px, "y_px": y_px}], schema=EVENTS)
+    row: Row = {"frame": frame, "time_s": time_s, "kind": str(Kind.SHIFT), "cause": str(Cause.CAMERA)}
+    return {**row, "x_px": x_px, "y_px": y_px}
 
 
 def _causes(seen: Sightings, rows: Indices, place_px: Column, others: Indices, around: Surroundings) -> list[Cause]:
@@ -147,9 +149,7 @@ def _causes(seen: Sightings, rows: Indices, place_px: Column, others: Indices, a
     ]
 
 
-def _row(
-    seen: Sightings, row: int, frame: int, time_s: float, kind: Kind, cause: Cause, pixel_size_um: float
-) -> dict[str, object]:
+def _row(seen: Sightings, row: int, frame: int, time_s: float, kind: Kind, cause: Cause, pixel_size_um: float) -> Row:
     return {
         "frame": frame,
         "time_s": time_s,
@@ -163,7 +163,7 @@ def _row(
     }
 
 
-def _row_of_merger(seen: Sightings, merger: Merger, frame: int, time_s: float, pixel: float) -> dict[str, object]:
+def _row_of_merger(seen: Sightings, merger: Merger, frame: int, time_s: float, pixel: float) -> Row:
     row = _row(seen, merger.product, frame, time_s, Kind.COALESCENCE, Cause.COALESCENCE, pixel)
     ids = {
         "trajectory_id": int(seen.trajectory_id[merger.larger]),

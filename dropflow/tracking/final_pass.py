@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import pyarrow as pa
 import pyarrow.compute as pc
 import zarr
@@ -22,6 +23,9 @@ from dropflow.tracking.naming import Names, number
 from dropflow.tracking.ranges import NO_RANGES, grown
 from dropflow.tracking.saving import load_columns, load_front, prefixed, save_columns, save_front, without_prefix
 from dropflow.tracking.stages import Tick
+
+Columns = dict[str, npt.NDArray[Any]]
+"""Rows of `dropflow.tables.TRAJECTORIES`, by the names of their columns."""
 
 
 @dataclass(frozen=True)
@@ -90,7 +94,7 @@ class FinalPass:
         self._name(turn)
         linked = self._spools.linked.read(turn)
         frame_of_row = linked["frame"].to_numpy()
-        tables: list[pa.Table] = []
+        tables: list[Columns] = []
         flows: list[FlowField] = []
         frames = self._film.frames_of(turn)
         for frame in frames:
@@ -104,8 +108,9 @@ class FinalPass:
         if frames[-1] == self._film.n_frames - 1:
             tables.append(self._rows(frames[-1]))
             flows.extend(self._flows.finish())
-        rows = pa.concat_tables([TRAJECTORIES.empty_table(), *tables])
-        self._spools.kept.write(turn, rows.sort_by([("trajectory_id", "ascending"), ("frame", "ascending")]))
+        rows = {name: np.concatenate([np.empty(0), *(some[name] for some in tables)]) for name in TRAJECTORIES.names}
+        order = np.lexsort((rows["frame"], rows["trajectory_id"]))
+        self._spools.kept.write(turn, pa.table({name: rows[name][order] for name in rows}, schema=TRAJECTORIES))
         self._store(flows)
 
     def _store(self, flows: list[FlowField]) -> None:
@@ -139,7 +144,7 @@ class FinalPass:
         ids, is_kept = self._names.of(front.trajectory_id)
         return replace(front, trajectory_id=ids)[is_kept].sorted()
 
-    def _step_to(self, later: Front, frame: int, flows: list[FlowField]) -> pa.Table:
+    def _step_to(self, later: Front, frame: int, flows: list[FlowField]) -> Columns:
         """Go on to `later` at `frame`; return the rows of the frame before, and add the flows that are known by now."""
         dt_s = self._film.dt_s(frame - 1)
         links = Links.between(self._front, later)
@@ -155,20 +160,18 @@ class FinalPass:
         flows.extend(self._flows.add(before, after, dt_s, motion))
         return rows
 
-    def _rows(self, frame: int) -> pa.Table:
+    def _rows(self, frame: int) -> Columns:
         front = self._front
         motion = self._film.motion(self._chain.motion, frame)
         time_s, pixel_size_um = float(self._film.times_s[frame]), motion.pixel_size_um
-        droplets = front.droplets.to_table(frame=frame, time_s=time_s, pixel_size_um=pixel_size_um)
-        more = {
+        return {
+            **front.droplets.to_columns(frame=frame, time_s=time_s, pixel_size_um=pixel_size_um),
             "trajectory_id": front.trajectory_id,
             "is_detected": front.is_detected,
             "u_um_s": self._velocity_um_s[0],
             "v_um_s": self._velocity_um_s[1],
             "sedimentation_um_s": motion.sedimentation_um_s(front.smooth_r_px),
         }
-        columns = {name: droplets[name] if name in droplets.column_names else more[name] for name in TRAJECTORIES.names}
-        return pa.table(columns, schema=TRAJECTORIES)
 
     def state(self) -> Arrays:
         """Names, the front with its velocities, and the sums so far."""

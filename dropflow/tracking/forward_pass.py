@@ -1,10 +1,9 @@
 """Forward tracking over the whole film (section 3.3.1)."""
 
-import pyarrow as pa
-
 from dropflow.tracking.chain import Chain
 from dropflow.tracking.checkpoint import Arrays, Spool
 from dropflow.tracking.film import Film
+from dropflow.tracking.front import Front
 from dropflow.tracking.notes import notes_to_table
 from dropflow.tracking.stages import Tick
 
@@ -31,16 +30,17 @@ class ForwardPass:
 
     def run(self, turn: int, tick: Tick) -> None:
         """Track through the frames of one part."""
-        tables, notes = [], []
-        for frame in self._film.frames_of(turn):
+        fronts, notes = [], []
+        frames = self._film.frames_of(turn)
+        for frame in frames:
             dt_s = self._film.dt_s(frame - 1) if frame else 1.0  # into the first frame nothing moves
             motion = self._film.motion(self._chain.motion, max(frame - 1, 0))
             step = self._walk.step(self._film.detected(frame), self._film.look_at(frame, then=frame + 1), dt_s, motion)
-            tables.append(step.front.to_table(frame))
-            notes.append(notes_to_table(step.notes, frame))
+            fronts.append(step.front)
+            notes.append(step.notes)
             tick()
-        self._rows.write(turn, pa.concat_tables(tables))
-        self._notes.write(turn, pa.concat_tables(notes))
+        self._rows.write(turn, Front.to_table(fronts, frames[0]))
+        self._notes.write(turn, notes_to_table(notes, frames[0]))
 
     def state(self) -> Arrays:
         """The walk's."""

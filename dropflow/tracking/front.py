@@ -73,11 +73,14 @@ class Front:
         columns = {name: np.concatenate([getattr(part, name) for part in parts]) for name in _OWN}
         return Front(droplets=Droplets.concatenate([part.droplets for part in parts]), **columns)
 
-    def to_table(self, frame: int) -> pa.Table:
-        """These as rows of `ROWS`."""
-        droplets = {column.name: getattr(self.droplets, column.name) for column in fields(Droplets)}
-        own = {name: getattr(self, name) for name in _OWN}
-        columns = {"frame": np.full(len(self), frame, np.int32), **droplets, **own}
+    @staticmethod
+    def to_table(fronts: "list[Front]", first_frame: int) -> pa.Table:
+        """Fronts of consecutive frames as rows of `ROWS`: one table for many, for each costs as much as its rows."""
+        together = Front.concatenate(fronts)
+        frames = first_frame + np.arange(len(fronts), dtype=np.int32)
+        droplets = {column.name: getattr(together.droplets, column.name) for column in fields(Droplets)}
+        own = {name: getattr(together, name) for name in _OWN}
+        columns = {"frame": np.repeat(frames, [len(front) for front in fronts]), **droplets, **own}
         return pa.table({name: columns[name] for name in ROWS.names}, schema=ROWS)
 
     @staticmethod

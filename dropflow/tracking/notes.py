@@ -9,12 +9,14 @@ NOTES = pa.schema([("frame", pa.int32()), ("name", pa.string()), ("values", pa.l
 """One row an array; `frame` is the one in which the step ends."""
 
 
-def notes_to_table(notes: Arrays, frame: int) -> pa.Table:
-    """The arrays of one step, each of shape (n,), float64, as rows of `NOTES`."""
-    ends = np.cumsum([0, *map(len, notes.values())])
-    values = pa.ListArray.from_arrays(ends.astype(np.int32), np.concatenate([np.empty(0), *notes.values()]))
-    columns = [np.full(len(notes), frame, np.int32), pa.array(list(notes), pa.string()), values]
-    return pa.table(columns, schema=NOTES)
+def notes_to_table(notes: list[Arrays], first_frame: int) -> pa.Table:
+    """The arrays of consecutive steps, each of shape (n,), float64, as rows of `NOTES`."""
+    frames = np.repeat(first_frame + np.arange(len(notes), dtype=np.int32), [len(step) for step in notes])
+    names = [name for step in notes for name in step]
+    arrays = [array for step in notes for array in step.values()]
+    ends = np.cumsum([0, *map(len, arrays)])
+    values = pa.ListArray.from_arrays(ends.astype(np.int32), np.concatenate([np.empty(0), *arrays]))
+    return pa.table([frames, pa.array(names, pa.string()), values], schema=NOTES)
 
 
 def notes_of(table: pa.Table, frame: int) -> Arrays:

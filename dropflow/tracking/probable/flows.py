@@ -116,16 +116,15 @@ class ProbableFlows:
 
 def on_grid(flow: WaveFlow, here: Observations, grid: Grid) -> FlowField:
     """The flow at the centres of cells; a cell is interpolated where neither it nor one beside it has a droplet."""
-    x_px, y_px = (places.ravel() for places in np.meshgrid(grid.x_px, grid.y_px))
     shape = (grid.n_rows, grid.n_columns)
-    velocity, (across, along) = flow.with_variance(x_px, y_px)
+    velocity, (across, along) = flow.on_grid(grid.x_px, grid.y_px)
     side, up = flow.model.up[1] ** 2, flow.model.up[0] ** 2
-    std = np.sqrt(np.stack([side * across + up * along, up * across + side * along])).reshape(2, *shape)
-    count = np.bincount(grid.cell_of(here.x_px, here.y_px), minlength=x_px.size).reshape(shape)
+    std = np.sqrt(np.stack([side * across + up * along, up * across + side * along]))
+    count = np.bincount(grid.cell_of(here.x_px, here.y_px), minlength=grid.n_rows * grid.n_columns).reshape(shape)
     near = count > 0
     beside = near.copy()
     beside[1:] |= near[:-1]
     beside[:-1] |= near[1:]
     beside[:, 1:] |= near[:, :-1]
     beside[:, :-1] |= near[:, 1:]
-    return FlowField(grid, velocity.reshape(2, *shape), std, count.astype(np.int64), ~beside)
+    return FlowField(grid, velocity, std, count.astype(np.int64), ~beside)

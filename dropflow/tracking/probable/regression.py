@@ -75,6 +75,13 @@ class WaveFlow:
         points = self.model.waves.at(x_px, y_px)
         return self._velocity(points), self._variance(points)
 
+    def on_grid(self, x_px: Column, y_px: Column) -> tuple[Matrix, Matrix]:
+        """Both where columns at `x_px` cross rows at `y_px`, shape (2, n_rows, n_columns)."""
+        points = self.model.waves.at(x_px, y_px)
+        across, along = points.evaluate_on_grid(self._folded_velocity, 1)
+        variance = points.evaluate_on_grid(self._folded_variance, 2)
+        return unturned(across, along, self.model.up), np.asarray(np.maximum(variance, 0.0))
+
     def _velocity(self, points: WavesAt) -> Column:
         across, along = points.evaluate(self._folded_velocity, 1)
         return unturned(across, along, self.model.up)
@@ -170,23 +177,32 @@ def _add_squares(
     plus: Indices,
     directions: Matrix,
 ) -> None:  # pragma: no cover - compiled
-    """Add up the squares of all waves under their covariance, of which the upper triangle is given without `root`."""
+    """Add up the squares of all waves under their covariance, of which the upper triangle is given without `root`.
+
+    Only pairs above the diagonal are looked at, and count twice: of one wave cosine with cosine, sine with sine and
+    one of the two mixed pairs; of two waves all four.
+    """
     n_kinds, _, n_waves = directions.shape
-    n_unknowns = 2 * n_kinds * n_waves
-    for row in range(n_unknowns):
-        one, i = row // (2 * n_waves), row % n_waves
-        is_sine = row // n_waves % 2 == 1
-        for column in range(row, n_unknowns):
-            two, j = column // (2 * n_waves), column % n_waves
-            is_other_sine = column // n_waves % 2 == 1
-            at, other = N_COMMON + row, N_COMMON + column
-            covariance = (1 if row == column else 2) * upper[at, other] * root[at] * root[other]
-            for component in range(2):
-                value = covariance * directions[one, component, i] * directions[two, component, j] / 2
-                if is_sine == is_other_sine:
-                    series[component, minus[i, j]] += value
-                    series[component, plus[i, j]] += -value if is_sine else value
-                else:
-                    turned = -sign[i, j] if is_sine else sign[i, j]
-                    series[component, minus[i, j]] += 1j * turned * value
-                    series[component, plus[i, j]] -= 1j * value
+    for one in range(n_kinds):
+        for i in range(n_waves):
+            cosine = N_COMMON + 2 * one * n_waves + i
+            sine = cosine + n_waves
+            for two in range(one, n_kinds):
+                for j in range(i if two == one else 0, n_waves):
+                    other_cosine = N_COMMON + 2 * two * n_waves + j
+                    other_sine = other_cosine + n_waves
+                    is_same = cosine == other_cosine
+                    times = 1 if is_same else 2
+                    both = times * upper[cosine, other_cosine] * root[cosine] * root[other_cosine]
+                    neither = times * upper[sine, other_sine] * root[sine] * root[other_sine]
+                    mixed = 2 * upper[cosine, other_sine] * root[cosine] * root[other_sine]
+                    turned = np.float32(0)
+                    if not is_same:
+                        low, high = (other_cosine, sine) if one == two else (sine, other_cosine)
+                        turned = 2 * upper[low, high] * root[low] * root[high]
+                    of_difference = complex(both + neither, sign[i, j] * (mixed - turned)) / 2
+                    of_sum = complex(both - neither, -(mixed + turned)) / 2
+                    for component in range(2):
+                        direction = directions[one, component, i] * directions[two, component, j]
+                        series[component, minus[i, j]] += direction * of_difference
+                        series[component, plus[i, j]] += direction * of_sum

@@ -160,6 +160,12 @@ class WavesAt:
         rows = (folded @ along_x).reshape(len(folded) // len(along_y), *along_y.shape)
         return np.asarray(np.einsum("mkn,kn->mn", rows, along_y))
 
+    def evaluate_on_grid(self, folded: Matrix, fineness: int) -> Matrix:
+        """As `evaluate`, at all crossings of these columns (x) and rows (y): shape (m, n_rows, n_columns)."""
+        along_x, along_y = self._up_to(fineness)
+        rows = (folded @ along_x).reshape(-1, len(along_y), along_x.shape[1])
+        return np.asarray(along_y.T @ rows)
+
     def _up_to(self, fineness: int) -> tuple[Matrix, Matrix]:
         """Cosines and sines for indices up to `fineness` times n_x and n_y, in rows."""
         rows_x, rows_y = fineness * self.waves.n_x + 1, fineness * self.waves.n_y + 1
