@@ -22,6 +22,7 @@ from backend.models import Run, Shard
 from backend.models.states import ACTIVE_RUN_STATES, SHARD_RULES, ShardState, rule
 from backend.platform.database import Sessions
 from backend.platform.events import announcing, experiment_topic, run_topic
+from backend.platform.reasons import reason_of
 from dropflow.errors import Cancelled
 from dropflow.tracking.film import FRAMES_PER_PART
 from worker.pace import Pace
@@ -213,7 +214,7 @@ class Lease:
                 "lease not renewed",
                 run=str(self.claim.run_id) if self.claim.run_id else None,
                 shard=str(self.claim.shard_id),
-                reason=str(problem).splitlines()[0],
+                reason=reason_of(problem),
             )
             if time.monotonic() - self._renewed > self._lease_s:
                 raise LeaseLost from None

@@ -9,6 +9,7 @@ from uuid import UUID
 
 from backend.models.base import Json
 from backend.platform.outward import LONGEST_S
+from backend.platform.reasons import reason_of
 from backend.platform.settings import Settings
 from worker.sending import Outcome
 
@@ -31,7 +32,7 @@ def send(
     except smtplib.SMTPResponseException as problem:
         return _refused(problem.smtp_code, problem.smtp_error)
     except (smtplib.SMTPException, OSError) as problem:
-        reason = str(problem).splitlines()[0][:300] if str(problem) else type(problem).__name__
+        reason = reason_of(problem)
         return Outcome(status=None, problem=reason, is_delivered=False, is_final=False)
     return Outcome(status=250, problem=None, is_delivered=True, is_final=False)
 

@@ -22,6 +22,7 @@ from sqlalchemy.orm import Session
 from backend.models import Notice, NoticeState, Person, Webhook
 from backend.models.base import Json
 from backend.platform.outward import LONGEST_S
+from backend.platform.reasons import reason_of
 from backend.platform.settings import Settings
 from worker import mail, webhooks
 from worker.context import Context, make_context
@@ -172,7 +173,7 @@ class Teller:
                 try:
                     n_sent = tell_round(context, pool)
                 except SQLAlchemyError as problem:
-                    log.warning("nothing told", reason=str(problem).splitlines()[0])
+                    log.warning("nothing told", reason=reason_of(problem))
                     n_sent = 0
                 if n_sent == 0:
                     self._stopping.wait(_LOOK_EVERY_S)

@@ -23,6 +23,7 @@ from backend.platform.events import announce, experiment_topic, run_topic
 from backend.platform.holding import KEEP_OBJECTS
 from backend.platform.logging import set_up_logging
 from backend.platform.queue import QUEUE_OF_TASK, QUEUES
+from backend.platform.reasons import reason_of
 from backend.platform.settings import environment_settings
 from backend.platform.tallies import tally
 from worker.context import Context, make_context
@@ -45,7 +46,7 @@ def reconcile(context: Context) -> None:
             try:
                 part(context)
             except (SQLAlchemyError, RedisError, OSError) as problem:
-                log.warning("not reconciled", part=part.__name__, reason=str(problem).splitlines()[0])
+                log.warning("not reconciled", part=part.__name__, reason=reason_of(problem))
 
 
 def expire_leases(context: Context) -> None:
@@ -172,7 +173,7 @@ def main() -> None:
             reconcile(context)
             sweeper(context)
         except (SQLAlchemyError, OSError, BaseError) as problem:
-            log.warning("database or store away", reason=str(problem).splitlines()[0])
+            log.warning("database or store away", reason=reason_of(problem))
         stopping.wait(settings.reconcile_every_s)
     teller.stop()
     context.close()

@@ -12,6 +12,7 @@ from sqlalchemy.exc import OperationalError
 from backend.platform.object_store import product_prefix
 from backend.platform.problems import problem_of
 from backend.platform.queue import QUEUE_OF_TASK
+from backend.platform.reasons import reason_of
 from backend.platform.tracing import span, went_wrong
 from dropflow.errors import Cancelled, DropflowError
 from dropflow.ingest import BrokenFramesError
@@ -91,7 +92,7 @@ def _do(context: Context, taken: Claim) -> None:
         fail(context, taken, problem_of(error), keeps_files=keeps_files)
     except OperationalError as problem:
         went_wrong(problem)
-        log.warning("broken off", reason=str(problem).splitlines()[0])
+        log.warning("broken off", reason=reason_of(problem))
         _remove_output(context, taken)
         with suppress(OperationalError):  # the database is still away: the lease will run out
             outcomes.give_back(context, taken)

@@ -7,6 +7,7 @@ from sqlalchemy.exc import SQLAlchemyError
 from sqlalchemy.orm import Session
 
 from backend.models import Speed
+from backend.platform.reasons import reason_of
 from dropflow.parameters import Parameters
 from worker.context import Context
 from worker.pace import Pace
@@ -35,7 +36,7 @@ def remember(context: Context, parameters: Parameters, pace: Pace, *, n_pixels: 
         with context.sessions.begin() as session:
             session.execute(new.on_conflict_do_update(index_elements=[Speed.kind], set_=changes))
     except SQLAlchemyError as problem:
-        log.warning("speed not remembered", reason=str(problem).splitlines()[0])
+        log.warning("speed not remembered", reason=reason_of(problem))
 
 
 def _kind(parameters: Parameters) -> str:

@@ -14,6 +14,7 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from backend.models import Shard
 from backend.models.states import ShardState
+from backend.platform.reasons import reason_of
 from worker.context import Context, make_context
 from worker.heartbeat import end_silent
 from worker.leases import release
@@ -53,7 +54,7 @@ def watch_for_ever(context: Context, stopping: threading.Event) -> None:
         try:
             watch(context)
         except (SQLAlchemyError, OSError) as problem:
-            log.warning("not watched", reason=str(problem).splitlines()[0])
+            log.warning("not watched", reason=reason_of(problem))
 
 
 def start_watching(context: Context) -> threading.Event:

@@ -11,6 +11,7 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from backend.platform.dependencies import PlatformDependency
 from backend.platform.problems import ServiceError, responses
+from backend.platform.reasons import reason_of
 from dropflow.provenance import code_version
 
 router = APIRouter(tags=["health"])
@@ -47,6 +48,6 @@ def health_get(platform: PlatformDependency) -> Health:
         with platform.sessions() as session:
             session.execute(text("SELECT 1"))
     except SQLAlchemyError as problem:
-        log.error("database away", reason=str(problem).splitlines()[0])
+        log.error("database away", reason=reason_of(problem))
         raise Away("database") from None
     return Health(version=code_version())

@@ -21,6 +21,7 @@ from backend.operations.restore import restore
 from backend.people.administrator import administrator as make_administrator
 from backend.platform.database import make_engine, make_sessions
 from backend.platform.object_store import ObjectStore
+from backend.platform.reasons import reason_of
 from backend.platform.settings import Settings, environment_settings
 from dropflow.errors import DropflowError
 
@@ -130,7 +131,7 @@ def main() -> None:
     except (OperationError, DropflowError) as error:
         sys.exit(_failed(str(error)))
     except (SQLAlchemyError, OSError) as error:
-        sys.exit(_failed((str(error).splitlines() or [type(error).__name__])[0]))
+        sys.exit(_failed(reason_of(error)))
 
 
 def _failed(text: str) -> int:

@@ -21,6 +21,7 @@ from backend.operations.tables import revision_of
 from backend.platform.database import make_engine
 from backend.platform.object_store import ObjectStore
 from backend.platform.queue import QUEUES, make_celery
+from backend.platform.reasons import reason_of
 from backend.platform.settings import Settings
 
 _LEAST_FREE = 0.05
@@ -91,11 +92,11 @@ def _looked(part: str, look: Callable[[], Finding]) -> Finding:
     try:
         return look()
     except SQLAlchemyError as problem:
-        found, mend = _first_line(problem), "Is PostgreSQL up, and DATABASE_URL right?"
+        found, mend = reason_of(problem), "Is PostgreSQL up, and DATABASE_URL right?"
     except redis.RedisError as problem:
-        found, mend = _first_line(problem), "Is Redis or Valkey up, and REDIS_URL right?"
+        found, mend = reason_of(problem), "Is Redis or Valkey up, and REDIS_URL right?"
     except Exception as problem:
-        found, mend = f"{type(problem).__name__}: {_first_line(problem)}", "See what it says."
+        found, mend = f"{type(problem).__name__}: {reason_of(problem)}", "See what it says."
     return Finding(part, Verdict.BAD, found, mend)
 
 
@@ -222,7 +223,3 @@ def _page(settings: Settings) -> Finding:
     if (settings.frontend_dist / "index.html").is_file():
         return Finding("page", Verdict.GOOD, "built")
     return Finding("page", Verdict.BAD, f"not in {settings.frontend_dist}", "Build it: npm --prefix frontend run build")
-
-
-def _first_line(problem: Exception) -> str:
-    return (str(problem).splitlines() or [""])[0]

@@ -18,6 +18,7 @@ from sqlalchemy.exc import SQLAlchemyError
 from backend.platform.database import Sessions
 from backend.platform.measures import Measures
 from backend.platform.queue import QUEUES, Queue
+from backend.platform.reasons import reason_of
 
 _RECENTLY = "5 minutes"
 log = structlog.get_logger()
@@ -54,7 +55,7 @@ class ServiceCollector(Collector):
             try:
                 found = list(ask())
             except (SQLAlchemyError, RedisError, OSError) as problem:
-                log.warning("not measured", part=part, reason=str(problem).splitlines()[0])
+                log.warning("not measured", part=part, reason=reason_of(problem))
                 up.add_metric([part], 0)
                 continue
             up.add_metric([part], 1)

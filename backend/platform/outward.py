@@ -15,6 +15,8 @@ from urllib.parse import urlsplit
 import httpcore
 import httpx
 
+from backend.platform.reasons import reason_of
+
 LONGEST_S = 10.0
 Network = IPv4Network | IPv6Network
 # What looks like an address of the world and leads to one within: 6to4, Teredo, and IPv4 behind an IPv6 gateway.
@@ -67,7 +69,7 @@ def post(address: str, body: bytes, headers: Mapping[str, str], *, allowed: Sequ
     except httpcore.TimeoutException:
         raise Unreachable(f"no answer within {LONGEST_S:.0f} seconds") from None
     except (httpcore.NetworkError, httpcore.ProtocolError, OSError) as problem:
-        raise Unreachable(_words(problem)) from None
+        raise Unreachable(reason_of(problem)) from None
 
 
 def _demand(found: IPv4Address | IPv6Address, allowed: Sequence[Network]) -> None:
@@ -78,10 +80,6 @@ def _demand(found: IPv4Address | IPv6Address, allowed: Sequence[Network]) -> Non
     is_wrapped = any(found in block for block in _WRAPPERS)
     if not found.is_global or found.is_multicast or is_wrapped:
         raise NotAllowed("leads to an address inside this network, to which nothing is sent")
-
-
-def _words(problem: Exception) -> str:
-    return str(problem).splitlines()[0][:300] if str(problem) else type(problem).__name__
 
 
 class _Looking(httpcore.NetworkBackend):

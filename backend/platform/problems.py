@@ -15,6 +15,7 @@ from starlette.exceptions import HTTPException
 from starlette.requests import ClientDisconnect
 
 from backend.platform.methods import allowed_methods
+from backend.platform.reasons import reason_of
 from dropflow.errors import DropflowError, FieldProblem
 
 MEDIA_TYPE = "application/problem+json"
@@ -150,7 +151,7 @@ class InvalidRequest(ServiceError):
 
 
 def _database_away(request: Request, error: Exception) -> JSONResponse:
-    log.error("database away", path=request.url.path, reason=str(error).splitlines()[0])
+    log.error("database away", path=request.url.path, reason=reason_of(error))
     status = HTTPStatus.SERVICE_UNAVAILABLE
     detail = "The database cannot be reached just now."
     problem = Problem(title=status.phrase, status=status, code="service.database_away", detail=detail)

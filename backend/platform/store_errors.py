@@ -7,6 +7,7 @@ import structlog
 from obstore.exceptions import BaseError
 
 from backend.platform.problems import ServiceError
+from backend.platform.reasons import reason_of
 
 _FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
 _SAYS_FULL = ("No space left", "StorageFull", "InsufficientStorage", "QuotaExceeded", "Disk quota exceeded")
@@ -35,6 +36,6 @@ class StoreAway(ServiceError):
 
 def store_error(problem: OSError | BaseError) -> ServiceError:
     """What a failure of the store means for whoever sends."""
-    log.error("not stored", reason=str(problem).splitlines()[0])
+    log.error("not stored", reason=reason_of(problem))
     is_full = getattr(problem, "errno", None) in _FULL or any(said in str(problem) for said in _SAYS_FULL)
     return StoreFull() if is_full else StoreAway()
