@@ -102,7 +102,7 @@ def prefixes(session: Session, run_id: UUID, task: Task) -> list[str]:
 def made_ranges(session: Session, experiment_id: UUID, detection: str) -> list[range]:
     """The frames whose droplets earlier runs have found in the very same way."""
     query = select(Product.start_frame, Product.stop_frame).where(
-        Product.experiment_id == experiment_id, Product.film_key == detection, Product.missing_frames == []
+        Product.experiment_id == experiment_id, Product.film_key == detection
     )
     return [range(*found) for found in session.execute(query).all()]
 

@@ -71,8 +71,6 @@ class Product(Identified, Dated, Base):
     """The same for all ranges of frames that went through the same detection, however a film was divided."""
     start_frame: Mapped[int] = mapped_column(default=0)
     stop_frame: Mapped[int] = mapped_column(default=0)
-    missing_frames: Mapped[list[Json]] = mapped_column(default=list)
-    """Frames that could not be read and may be missing: `frame`, `file`, `message`."""
     prefix: Mapped[str] = mapped_column(String(300))
     """Where its objects are."""
     files: Mapped[list[Json]]
