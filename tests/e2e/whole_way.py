@@ -2,11 +2,12 @@
 
     python -m tests.e2e.whole_way [--way client|page] [--frames 1000] [--megabytes-a-frame 5] [--folder FOLDER]
 
-The frames are drawn (five discs that move a little over noise, 32-bit, each unlike all others) and sent by `dropflow
-submit`, or dropped on the page in Chromium. On the way the sender is killed or the browser closed, and so are the API,
-Postgres, Valkey, the reconciler, each worker, and whoever reads, detects and tracks at that moment; each is started
-again as `make run` does it. At the end every file has the checksum of the one that was sent, the run is completed, no
-shard was counted twice and nothing is left running. Each step is printed with its time.
+The frames are drawn (fifteen discs that rise as Stokes has it, over noise, 32-bit, each unlike all others) and sent by
+`dropflow submit`, or dropped on the page in Chromium. On the way the sender is killed or the browser closed, and so are
+the API, Postgres, Valkey, the reconciler, each worker, and whoever reads, detects and tracks at that moment; each is
+started again as `make run` does it. At the end every file has the checksum of the one that was sent, the run is
+completed, every disc is one trajectory through all frames where it was drawn and there is no other, no shard was
+counted twice and nothing is left running. Each step is printed with its time.
 """
 
 import argparse
@@ -22,23 +23,21 @@ from pathlib import Path
 from typing import Any
 
 import httpx
-import numpy as np
-import tifffile
 import yaml
 from playwright.sync_api import Page, expect
 
 from backend.models import Shard
 from backend.models.states import ShardState
 from tests.e2e.browser import drop, open_page
+from tests.e2e.rising import PARAMETERS, Rising
 from tests.faults import Deployment, deployment, run_id
-from tests.films import EXPERIMENT, PARAMETERS, frame
 from tests.house import Json
 
 TARGET = "Drop a folder, images, a film or a ZIP here"
 NAME = "the whole way"
-COLUMNS = 1250
+SENDER_LOG = "submit.log"
 IDLE = ("Valkey", "reconciler", "worker interactive", "worker shards", "worker ingest")
-PATIENCE_S = 800.0
+PATIENCE_S = 1500.0
 _began_s = time.monotonic()
 
 
@@ -46,19 +45,6 @@ def say(text: str) -> None:
     """One line, with the time since the beginning."""
     sys.stdout.write(f"{time.monotonic() - _began_s:7.1f} s  {text}\n")
     sys.stdout.flush()
-
-
-def draw(folder: Path, n_frames: int, n_bytes: int) -> None:
-    """Frames of about so many bytes, 4 a pixel."""
-    folder.mkdir()
-    shape = (n_bytes // 4 // COLUMNS, COLUMNS)
-    background = np.random.default_rng(0).normal(30, 1.5, shape).astype(np.float32)
-    quiet = frame(0, shape).astype(np.float32)
-    for index in range(n_frames):
-        # The discs stay in sight: they go to and fro by a pixel or two a frame.
-        steps = abs((index + 20) % 40 - 20)
-        discs = np.roll(quiet, (2 * steps, steps), axis=(0, 1))
-        tifffile.imwrite(folder / f"frame{index}.tif", discs + np.roll(background, 7 * index, axis=1) / 10)
 
 
 class Way:
@@ -123,27 +109,47 @@ class Way:
         run = self.run()
         return run is not None and run["state"] not in ("queued", "running")
 
+    def detected_share(self) -> float:
+        """In which part of the frames droplets were found."""
+        run = self.run()
+        if run is None:
+            return 0.0
+        (detect,) = (stage for stage in run["stages"] if stage["name"] == "detect")
+        return float(detect["done_frames"] / detect["total_frames"])
+
     def disturb_run(self) -> None:
-        """Kill everybody once while the run goes."""
-        for victim in ("busy detect", "API", "PostgreSQL", *IDLE, "busy track", "worker sequential"):
+        """Kill everybody once while the run goes: one after the other while it detects, then those who track."""
+        while_detecting = ("busy detect", "API", "PostgreSQL", *IDLE)
+        for n_before, victim in enumerate(while_detecting):
+            share = n_before / len(while_detecting)
+            self.place.look_after(lambda share=share: self.detected_share() >= share or self.is_over(), PATIENCE_S)  # type: ignore[misc]
+            self.kill(victim, self.is_over)
+        for victim in ("busy track", "worker sequential"):
             self.kill(victim, self.is_over)
 
 
-def by_client(way: Way, folder: Path, n_bytes: int) -> None:
+def by_client(way: Way, film: Rising, folder: Path, n_bytes: int) -> None:
     """Send with `dropflow submit`, which is killed on the way and started again."""
     description, parameters = folder.parent / "experiment.yaml", folder.parent / "parameters.yaml"
-    description.write_text(yaml.safe_dump(EXPERIMENT | {"name": NAME}))
+    description.write_text(yaml.safe_dump(film.describe(NAME)))
     parameters.write_text(yaml.safe_dump(PARAMETERS))
+    log = folder.parent / SENDER_LOG
+
+    def lives() -> bool:
+        assert sender.poll() in (None, 0), log.read_text()
+        return True
+
     with _submitting(way, folder, description, parameters) as sender:
-        way.until("a quarter has arrived", lambda: way.sent_share(n_bytes) > 0.25)
+        way.until("a quarter has arrived", lambda: lives() and way.sent_share(n_bytes) > 0.25)
         sender.kill()
         say("killed: dropflow submit")
+    reached = max(0.5, way.sent_share(n_bytes))
     with _submitting(way, folder, description, parameters) as sender:
-        way.until("half has arrived", lambda: way.sent_share(n_bytes) > 0.5)
+        way.until("half has arrived", lambda: lives() and (way.sent_share(n_bytes) > reached or way.is_sent()))
         way.kill("API")
-        way.until("all has arrived", way.is_sent)
+        way.until("all has arrived", lambda: lives() and way.is_sent())
         way.kill("busy ingest", way.is_ready)
-        way.until("the run has begun", lambda: way.run() is not None)
+        way.until("the run has begun", lambda: lives() and way.run() is not None)
         sender.kill()
     way.disturb_run()
 
@@ -154,19 +160,23 @@ def _submitting(way: Way, folder: Path, description: Path, parameters: Path) -> 
     about = ("--experiment", description, "--parameters", parameters, "--wait")
     server = ("--server", f"http://127.0.0.1:{way.place.port}/")
     environment = {**os.environ, "DROPFLOW_CONFIG": str(folder.parent / "servers.yaml")}
-    sender = subprocess.Popen([*program, *about, *server], env=environment, stderr=subprocess.DEVNULL)
-    try:
-        yield sender
-    finally:
-        sender.kill()
-        sender.wait()
+    with (folder.parent / SENDER_LOG).open("wb") as log:
+        sender = subprocess.Popen([*program, *about, *server], env=environment, stderr=log)
+        try:
+            yield sender
+        finally:
+            sender.kill()
+            sender.wait()
 
 
-def by_page(way: Way, folder: Path, n_bytes: int) -> None:
+def by_page(way: Way, film: Rising, folder: Path, n_bytes: int) -> None:
     """Drop the folder on the page; the browser is closed while it sends, and again while the run goes."""
     address = f"http://127.0.0.1:{way.place.port}/"
     with way.place.client() as api:
-        made = api.post("experiments", json={"experiment": EXPERIMENT | {"name": NAME}}).json()["id"]
+        experiment = api.post("experiments", json={"experiment": film.describe(NAME)}).json()
+        preset = {"name": NAME, "parameters": PARAMETERS}
+        assert api.post(f"groups/{experiment['group']['id']}/presets", json=preset).status_code == 201
+    made = experiment["id"]
     with open_page(address) as page:
         _send(page, made, folder)
         way.until("a quarter has arrived", lambda: _seen(page) and way.sent_share(n_bytes) > 0.25)
@@ -181,6 +191,8 @@ def by_page(way: Way, folder: Path, n_bytes: int) -> None:
         way.until("the page says that frames are ready", lambda: _seen(page) and ready.is_visible())
         page.goto(f"experiments/{made}/analyse")
         page.get_by_label("Order, times and scale are right").check()
+        page.get_by_role("button", name="Presets").click()
+        page.get_by_role("button", name=f"Use {NAME}").click()
         page.get_by_role("button", name="Start the run").click()
         way.until("the run has begun", lambda: _seen(page) and way.run() is not None)
     say("closed: the browser")
@@ -195,16 +207,12 @@ def _send(page: Page, experiment: str, folder: Path) -> None:
 
 
 def _seen(page: Page) -> bool:
-    """Let the browser go on for a moment, and try again where it gave up on a server that was away for long."""
+    """Let the browser go on for a moment; nobody clicks there, whatever dies."""
     page.wait_for_timeout(100)
-    again = page.get_by_role("button", name="Try again")
-    if again.is_visible():
-        again.click()
-        say("clicked: Try again")
     return True
 
 
-def check(way: Way, folder: Path, n_frames: int) -> None:
+def check(way: Way, film: Rising, folder: Path) -> None:
     """That nothing was lost, doubled or left."""
     run: Any = way.run()
     assert run["state"] == "completed", run["problem"]
@@ -223,10 +231,11 @@ def check(way: Way, folder: Path, n_frames: int) -> None:
     shards = way.place.shards(Shard.run_id == run_id(run))
     assert {shard.state for shard in shards} == {ShardState.COMPLETED}
     detected = [at for shard in shards if shard.task == "detect" for at in range(shard.start_frame, shard.stop_frame)]
-    assert detected == list(range(n_frames))
+    assert detected == list(range(film.n_frames))
     assert way.place.open_work() == (0, 0)
-    n_droplets = run["summary"]["tracked"]["n_droplets"]
-    say(f"{len(shards)} shards, each counted once; {n_droplets} droplets were followed; nothing is left running")
+    say(f"{len(shards)} shards, each counted once; nothing is left running")
+    with way.place.client() as api:
+        say(film.check(api.get(f"runs/{run['id']}/files/trajectories.parquet").content))
     say(f"killed: {dict(way.place.kills)}")
 
 
@@ -241,14 +250,15 @@ def main() -> None:
     tempfile.tempdir = str(asked.folder)
     with tempfile.TemporaryDirectory(prefix="dropflow-whole-way-") as scratch:
         folder = Path(scratch) / "frames"
-        draw(folder, asked.frames, int(asked.megabytes_a_frame * 1e6))
+        film = Rising.of_bytes(asked.frames, int(asked.megabytes_a_frame * 1e6))
+        film.draw(folder)
         n_bytes = sum(path.stat().st_size for path in folder.iterdir())
         say(f"{asked.frames} frames, {n_bytes / 1e9:.2f} GB, by {asked.way}")
         with deployment() as place:
             way = Way(place)
-            (by_page if asked.way == "page" else by_client)(way, folder, n_bytes)
+            (by_page if asked.way == "page" else by_client)(way, film, folder, n_bytes)
             way.until("the run is over", way.is_over)
-            check(way, folder, asked.frames)
+            check(way, film, folder)
 
 
 if __name__ == "__main__":
