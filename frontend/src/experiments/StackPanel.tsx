@@ -12,7 +12,7 @@ import { RemovedFrames } from "../trash/RemovedFrames";
 import { MissingFiles } from "../uploads/MissingFiles";
 import { isRefused } from "../uploads/Upload";
 import { UploadProgress } from "../uploads/UploadProgress";
-import { forgetUpload, resumeUpload, stopUpload, useUpload } from "../uploads/uploads";
+import { forgetUpload, resumeUpload, stopUpload, tryNow, useUpload } from "../uploads/uploads";
 import { AddFrames } from "./AddFrames";
 
 /** How the frames get here: sending, indexing, what is wrong with them, or a place to drop them. */
@@ -34,6 +34,7 @@ export function StackPanel({ experiment }: { experiment: Experiment }) {
         <UploadProgress
           upload={upload}
           onStop={() => stopUpload(id)}
+          onTryNow={() => tryNow(id)}
           actions={
             <>
               <Button size="xs" variant="default" onClick={() => resumeUpload(id)}>

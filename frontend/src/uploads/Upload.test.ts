@@ -1,4 +1,4 @@
-import { expect, it } from "vitest";
+import { expect, it, vi } from "vitest";
 import type { Announced, Plan, Problem } from "../client";
 import { ProblemError } from "../platform/problem";
 import { groupsOf, type Item, isRefused, type Means, Upload } from "./Upload";
@@ -140,6 +140,24 @@ it("a full disk is said, what arrived stays, and the same files go on later", as
   expect(again.state.phase).toBe("done");
   expect(store.sent_bytes).toBe(again.state.total_bytes);
   expect(arrived_bytes).toBeGreaterThan(0);
+});
+
+it("a server that is away is asked again until it is back, and the upload goes on by itself", async () => {
+  vi.useFakeTimers();
+  const store = new Store();
+  let isAway = true;
+  store.fault = (name) => (isAway && name === "f 15.tif" ? failure(503) : null);
+  const upload = new Upload(FILES, store);
+  const running = upload.run();
+  await vi.advanceTimersByTimeAsync(600_000);
+  expect(upload.state).toMatchObject({ phase: "sending", away: { problem: { status: 503 } } });
+  isAway = false;
+  upload.tryNow();
+  await vi.advanceTimersByTimeAsync(1000);
+  await running;
+  vi.useRealTimers();
+  expect(upload.state).toMatchObject({ phase: "done", away: null });
+  expect(store.files.size).toBe(20);
 });
 
 it("a stopped upload sends nothing more and tells the server nothing", async () => {

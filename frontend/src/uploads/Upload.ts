@@ -1,5 +1,6 @@
 import type { Announced, Plan, PlannedUpload, Problem } from "../client";
 import { ProblemError, toProblem } from "../platform/problem";
+import { type Away, Patience } from "./patience";
 import { Rate } from "./rate";
 import type { Found, Role } from "./sorting";
 import { Turns } from "./turns";
@@ -24,6 +25,8 @@ export type UploadState = {
   verified: Progress;
   /** Another tab, computer or program sends some of it. */
   isWaiting: boolean;
+  /** The server is away; it is asked again and again. */
+  away: Away | null;
   problem: Problem | null;
   /** Name of the file that the server refused. */
   refused: string | null;
@@ -45,7 +48,7 @@ export type Means = {
   /** Why the server refused an upload for good, if it did. */
   refusal: (upload: PlannedUpload) => Promise<Problem | null>;
   sha256: (file: Blob, onRead: (bytes: number) => void, signal: AbortSignal) => Promise<string>;
-  /** Tell the server that all files are there. */
+  /** Tell the server that all files are there; if it knows already, that is well too. */
   close: () => Promise<unknown>;
 };
 
@@ -70,6 +73,7 @@ export class Upload {
   private readonly reading = new Turns(READ_AT_ONCE);
   private readonly grouping = new Turns(GROUPS_AT_ONCE);
   private readonly stopping = new AbortController();
+  private readonly patience = new Patience((away) => this.tell({ away }), this.stopping.signal);
   private readonly listeners = new Set<() => void>();
   private readonly sent = new Tally();
   private readonly verified = new Tally();
@@ -86,6 +90,7 @@ export class Upload {
       sent: this.sent.progress(0),
       verified: this.verified.progress(0),
       isWaiting: false,
+      away: null,
       problem: null,
       refused: null,
     };
@@ -102,7 +107,7 @@ export class Upload {
     try {
       await Promise.all(groupsOf(this.items).map((group) => this.grouping.take(() => this.bring(group))));
       this.tell({ phase: "closing" });
-      await this.means.close();
+      await this.patience.through(() => this.means.close());
       this.tell({ phase: "done" });
     } catch (error) {
       if (this.state.phase === "stopped" || this.state.phase === "failed") return;
@@ -114,6 +119,11 @@ export class Upload {
   /** The files without the one that the server will never take. */
   acceptable(): Item[] {
     return this.items.filter(({ name }) => name !== this.state.refused);
+  }
+
+  /** Ask a server that was away at once. */
+  tryNow(): void {
+    this.patience.tryNow();
   }
 
   stop(): void {
@@ -129,7 +139,8 @@ export class Upload {
     for (let round = 0; round < MOST_ROUNDS; round += 1) {
       this.stopping.signal.throwIfAborted();
       const left = group.filter((item) => !right.has(item));
-      const plan = await this.means.plan(left.map((item) => announced(item, sums.get(item))));
+      const files = left.map((item) => announced(item, sums.get(item)));
+      const plan = await this.patience.through(() => this.means.plan(files));
       const verifying = plan.present.map(({ file, sha256 }) =>
         this.verify(left[file] as Item, sha256, right, sums),
       );
@@ -146,11 +157,15 @@ export class Upload {
     const content = new Blob(files.map(({ file }) => file));
     this.sent.begin(upload.id, upload.offset_bytes);
     try {
-      await this.means.send(upload, content, {
-        onSent: (bytes) => this.note(() => this.sent.move(upload.id, bytes)),
-        onWaiting: (isWaiting) => isWaiting !== this.state.isWaiting && this.tell({ isWaiting }),
+      const tell = {
+        onSent: (bytes: number) => {
+          this.patience.gotThrough();
+          this.note(() => this.sent.move(upload.id, bytes));
+        },
+        onWaiting: (isWaiting: boolean) => isWaiting !== this.state.isWaiting && this.tell({ isWaiting }),
         signal: this.stopping.signal,
-      });
+      };
+      await this.patience.through(() => this.means.send(upload, content, tell));
       this.sent.end(upload.id);
       for (const item of files) this.sent.add(item);
     } catch (error) {
@@ -164,7 +179,8 @@ export class Upload {
   private async sendingFailed(upload: PlannedUpload, error: unknown): Promise<void> {
     const status = error instanceof ProblemError ? error.problem.status : -1;
     if (GONE.has(status)) return;
-    const refusal = status >= 400 && status < 500 ? await this.means.refusal(upload) : null;
+    const refusal =
+      status >= 400 && status < 500 ? await this.patience.through(() => this.means.refusal(upload)) : null;
     if (refusal) {
       this.state = { ...this.state, refused: refusal.file ?? null };
       throw new ProblemError(refusal);

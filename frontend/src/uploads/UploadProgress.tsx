@@ -2,6 +2,7 @@ import { Progress as Bar, Button, Group, Stack, Text } from "@mantine/core";
 import type { ReactNode } from "react";
 import { formatBytes, formatCount, formatDuration, plural } from "../platform/format";
 import { ProblemAlert } from "../platform/ProblemAlert";
+import { ServerAway } from "./ServerAway";
 import type { Progress, UploadState } from "./Upload";
 
 const TITLES: Record<UploadState["phase"], string> = {
@@ -12,10 +13,15 @@ const TITLES: Record<UploadState["phase"], string> = {
   failed: "Stopped",
 };
 
-type UploadProgressProps = { upload: UploadState; onStop: () => void; actions?: ReactNode };
+type UploadProgressProps = {
+  upload: UploadState;
+  onStop: () => void;
+  onTryNow: () => void;
+  actions?: ReactNode;
+};
 
 /** How files get to the server, phase by phase, as sums; or why it ended. */
-export function UploadProgress({ upload, onStop, actions }: UploadProgressProps) {
+export function UploadProgress({ upload, onStop, onTryNow, actions }: UploadProgressProps) {
   if (upload.phase === "failed" && upload.problem) {
     return (
       <ProblemAlert
@@ -38,6 +44,7 @@ export function UploadProgress({ upload, onStop, actions }: UploadProgressProps)
           </Button>
         )}
       </Group>
+      {upload.away && <ServerAway away={upload.away} onTryNow={onTryNow} />}
       <Phase name="Sending" about="Only what is missing there." upload={upload} progress={upload.sent} />
       <Phase
         name="Verifying"

@@ -2,8 +2,8 @@ import { DetailedError, Upload as TusUpload } from "tus-js-client";
 import { ProblemError, problemFromAnswer, UNREACHABLE } from "../platform/problem";
 
 const REQUEST_BYTES = 64 * 2 ** 20;
-/** A server that restarts is back before the last. */
-const WAITS_MS = [0, 500, 1000, 2000, 4000, 8000, 15_000];
+/** What a network loses now and then; a server that is away for longer is left to `Patience`. */
+const WAITS_MS = [0, 500, 1000, 2000];
 const PASSING = new Set([0, 408, 409, 429, 500, 502, 503, 504]);
 const IN_USE_STATUS = 423;
 const IN_USE_WAIT_MS = 5_000;

@@ -2,6 +2,7 @@ import { useSyncExternalStore } from "react";
 import { stackComplete, uploadsGet, uploadsPlan } from "../client";
 import type { Document } from "../forms/document";
 import { apiUrl } from "../platform/base";
+import { ProblemError } from "../platform/problem";
 import { sha256Of } from "./sha256";
 import { NAMED_ROLES, type Sorted } from "./sorting";
 import { sendByTus } from "./tus";
@@ -42,8 +43,13 @@ function meansOf(experimentId: string): Means {
       sendByTus(apiUrl(["experiments", experimentId, "uploads", upload.id]), content, tell),
     refusal: async ({ id }) => (await uploadsGet({ path: { ...path, upload_id: id } })).data.problem ?? null,
     sha256: sha256Of,
-    close: () => stackComplete({ path }),
+    close: () => stackComplete({ path }).catch(unlessClosed),
   };
+}
+
+/** An answer may be lost: the stack is complete, and what is in it was found to be what is here. */
+function unlessClosed(error: unknown): void {
+  if (!(error instanceof ProblemError) || error.problem.code !== "conflict.stack_closed") throw error;
 }
 
 /** Go on with a failed upload; a file that the server will never take is left out. */
@@ -55,6 +61,11 @@ export function forgetUpload(experimentId: string): void {
   uploads.get(experimentId)?.stop();
   uploads.delete(experimentId);
   changed();
+}
+
+/** Ask a server that was away at once. */
+export function tryNow(experimentId: string): void {
+  uploads.get(experimentId)?.tryNow();
 }
 
 export function stopUpload(experimentId: string): void {
