@@ -13,6 +13,11 @@ from dropflow.documents import FieldError, StrictModel
 from dropflow.errors import ExperimentError
 
 
+def called(label: str) -> Any:
+    """What people read where the name of a field does not say it."""
+    return Field(json_schema_extra={"label": label})
+
+
 class DropletTone(StrEnum):
     """How droplets look against the fluid around them."""
 
@@ -54,13 +59,13 @@ class Experiment(StrictModel):
     """Edge of one pixel in the sample, micrometres."""
     frame_interval_s: Annotated[float, Field(gt=0, le=1e6)] | None = None
     """Time between frames, seconds. Give this, or `timestamps`, or `times_from_frames`."""
-    timestamps: str | None = None
+    timestamps: Annotated[str | None, called("File of times")] = None
     """CSV file beside experiment.yaml with one time per frame (column `time_s`), instead of `frame_interval_s`."""
-    times_from_frames: bool = False
+    times_from_frames: Annotated[bool, called("Times from the frames' own file")] = False
     """The frames' own file says when each was taken (OME-TIFF, ND2, video): use that, instead of `frame_interval_s`."""
     droplets: DropletTone
     """`bright` on a dark ground, or `dark` on a bright one. `dark` inverts the image and nothing else."""
-    up: tuple[float, float] = (0.0, -1.0)
+    up: Annotated[tuple[float, float], called("Up, against gravity")] = (0.0, -1.0)
     """Direction against gravity in image axes (x right, y down)."""
     phase: Phase | None = None
     """Which phase was filmed: `bottom` or `top`."""
@@ -75,19 +80,21 @@ class Experiment(StrictModel):
     """CSV file with columns `time_s` and `temperature_c`, beside experiment.yaml."""
     observation_depth_um: Annotated[float, Field(gt=0)] | None = None
     """Depth over which droplets are seen, micrometres; without it densities are per area."""
-    grey_from: GreyFrom | None = None
+    grey_from: Annotated[GreyFrom | None, called("Colour to grey by")] = None
     """How colour frames become grey. Without it a colour frame is an error."""
-    dataset: Annotated[str, Field(min_length=1, max_length=1000)] | None = None
+    dataset: Annotated[Annotated[str, Field(min_length=1, max_length=1000)] | None, called("Array inside the file")] = (
+        None
+    )
     """Path of the frames inside an HDF5 or Zarr file that holds more than one array."""
     channel: Annotated[int, Field(ge=0)] | None = None
     """Which channel of a microscope's file (OME-TIFF, OME-Zarr, ND2, ImageJ) is the film, counted from 0."""
-    z_plane: Annotated[int, Field(ge=0)] | None = None
+    z_plane: Annotated[Annotated[int, Field(ge=0)] | None, called("Z-plane")] = None
     """Which z-plane of a microscope's file is the film, counted from 0."""
-    is_z_time: bool = False
+    is_z_time: Annotated[bool, called("Z-planes are the frames")] = False
     """What the file calls z-planes are the frames of the film."""
-    position: Annotated[int, Field(ge=0)] | None = None
+    position: Annotated[Annotated[int, Field(ge=0)] | None, called("Position of the stage")] = None
     """Which position of the stage, or image of a set, is the film, counted from 0."""
-    max_failed_frame_share: Annotated[float, Field(ge=0, lt=1)] = 0.0
+    max_failed_frame_share: Annotated[float, Field(ge=0, lt=1), called("Share of frames that may be unreadable")] = 0.0
     """Up to this share of the frames may be unreadable: they are left out as gaps in time, and results say so. With 0 a
     single one is an error."""
     recorded_at: datetime | None = None

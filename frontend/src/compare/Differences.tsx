@@ -1,6 +1,10 @@
 import { Group, Table, Text } from "@mantine/core";
+import { useQuery } from "@tanstack/react-query";
 import type { ReactNode } from "react";
 import type { ComparedRun, Comparison } from "../client";
+import { experimentSchemaQuery } from "../experiments/queries";
+import { type Field, fieldsOf, type JsonSchema } from "../forms/schema";
+import { fieldAt, inWords } from "../forms/words";
 import { plainField } from "../platform/fields";
 import { formatNumber } from "../platform/format";
 import { Panel } from "../platform/Panel";
@@ -11,7 +15,9 @@ import { Dot } from "./RunChooser";
 /** In what the runs differ, and nothing else. */
 export function Differences({ comparison }: { comparison: Comparison }) {
   const { runs, parameters, experiment } = comparison;
+  const schema = useQuery(experimentSchemaQuery);
   if (runs.length < 2) return null;
+  const fields = schema.data ? fieldsOf(schema.data as JsonSchema) : [];
   const rows = [...parameters, ...experiment.filter(({ name }) => name !== "name")];
   return (
     <Panel title="What differs" about="Parameters and descriptions in which not all of these runs are alike.">
@@ -22,10 +28,10 @@ export function Differences({ comparison }: { comparison: Comparison }) {
           {rows.map(({ name, values }) => (
             <Table.Tr key={name}>
               <Table.Th scope="row" fw={500}>
-                {plainField(name)}
+                {fieldAt(fields, name)?.label ?? plainField(name)}
               </Table.Th>
               {runs.map((run, index) => (
-                <Table.Td key={run.id}>{values[index] == null ? "–" : shown(name, values[index])}</Table.Td>
+                <Table.Td key={run.id}>{inCell(fieldAt(fields, name), name, values[index])}</Table.Td>
               ))}
             </Table.Tr>
           ))}
@@ -33,6 +39,11 @@ export function Differences({ comparison }: { comparison: Comparison }) {
       )}
     </Panel>
   );
+}
+
+function inCell(field: Field | undefined, name: string, value: unknown): string {
+  if (value === null || value === undefined) return "–";
+  return field ? inWords(field, value) : shown(name, value);
 }
 
 /** The numbers of all runs, a column each. */

@@ -1,33 +1,27 @@
 import { Text } from "@mantine/core";
+import { useQuery } from "@tanstack/react-query";
 import type { Experiment } from "../client";
-import { flatten } from "../forms/document";
+import type { Document } from "../forms/document";
+import { type Field, fieldsOf, type JsonSchema } from "../forms/schema";
+import { inWords, leavesOf } from "../forms/words";
 import { confirmedBy } from "../frames/confirmed";
 import { type Fact, Facts } from "../platform/Facts";
-import { plainField } from "../platform/fields";
-import { formatBytes, formatCount, formatDuration, formatTime, plural } from "../platform/format";
+import { formatBytes, formatCount, formatDuration, plural } from "../platform/format";
 import { Moment } from "../platform/Moment";
-import { shown } from "../runs/differing";
-
-/** The order in which people think of a film; the store keeps none. */
-const ORDER = ["pixel_size_um", "frame_interval_s", "timestamps", "droplets", "phase", "material", "up"];
-
-function place(path: string): number {
-  const index = ORDER.indexOf(path.split(".")[0] ?? "");
-  return index < 0 ? ORDER.length : index;
-}
+import { QueryView } from "../platform/QueryView";
+import { experimentSchemaQuery } from "./queries";
 
 const SHOWN_ELSEWHERE = new Set(["name", "tags", "notes"]);
 
-/** The description, field by field, with units. */
+/** The description, field by field, in the words of its schema. */
 export function Description({ experiment }: { experiment: Experiment }) {
   const document = experiment.experiment;
-  const facts = Object.entries(flatten(document))
-    .filter(([path, value]) => !SHOWN_ELSEWHERE.has(path) && value !== null && value !== "")
-    .sort(([a], [b]) => place(a) - place(b))
-    .map(([path, value]): Fact => [plainField(path), shownValue(path, value)]);
+  const schema = useQuery(experimentSchemaQuery);
   return (
     <>
-      <Facts facts={facts} label="What was filmed" />
+      <QueryView query={schema}>
+        {(loaded) => <Facts facts={factsOf(loaded as JsonSchema, document)} label="What was filmed" />}
+      </QueryView>
       {typeof document.notes === "string" && document.notes && (
         <Text fz="sm" style={{ whiteSpace: "pre-wrap" }}>
           {document.notes}
@@ -37,10 +31,15 @@ export function Description({ experiment }: { experiment: Experiment }) {
   );
 }
 
-function shownValue(path: string, value: unknown): string {
-  if (path === "recorded_at") return formatTime(String(value));
-  if (Array.isArray(value)) return `(${value.map((part) => shown("", part)).join(", ")})`;
-  return shown(path, value);
+function factsOf(schema: JsonSchema, document: Document): Fact[] {
+  return leavesOf(fieldsOf(schema), document)
+    .filter(([field, value]) => !SHOWN_ELSEWHERE.has(field.name) && !isUsual(field, value))
+    .map(([field, value]) => [field.label, inWords(field, value)]);
+}
+
+/** Special cases of which this film is none. */
+function isUsual({ input, fallback }: Field, value: unknown): boolean {
+  return (input.kind === "flag" || input.kind === "number") && value === fallback;
 }
 
 export function StackFacts({ experiment }: { experiment: Experiment }) {

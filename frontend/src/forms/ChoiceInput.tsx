@@ -1,6 +1,7 @@
 import { Input, SegmentedControl, Select } from "@mantine/core";
 import type { FieldInputProps } from "./FieldInput";
 import { Help, Label } from "./FieldLabel";
+import { readable } from "./words";
 
 const FEW = 4;
 
@@ -45,9 +46,4 @@ export function ChoiceInput({
       />
     </Input.Wrapper>
   );
-}
-
-function readable(option: string): string {
-  const words = option.replace(/_/g, " ");
-  return words.charAt(0).toUpperCase() + words.slice(1);
 }

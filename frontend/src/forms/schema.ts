@@ -6,6 +6,8 @@ export type JsonSchema = {
   $defs?: Record<string, JsonSchema>;
   type?: string;
   title?: string;
+  /** What people read where the name does not say it. */
+  label?: string;
   description?: string;
   default?: unknown;
   const?: unknown;
@@ -92,7 +94,7 @@ function fieldOf(
   return {
     path,
     name,
-    label: named.label,
+    label: property.label ?? named.label,
     unit: only.unit ? readableUnit(only.unit) : named.unit,
     help: (property.description ?? only.description ?? "").replace(/\s+/g, " ").trim(),
     isRequired,

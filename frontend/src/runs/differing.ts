@@ -25,6 +25,10 @@ export function shown(path: string, value: unknown): string {
       ? formatNumber(value, 6)
       : typeof value === "string"
         ? value
-        : JSON.stringify(value);
+        : typeof value === "boolean"
+          ? value
+            ? "Yes"
+            : "No"
+          : JSON.stringify(value);
   return unit ? `${text} ${unit}` : text;
 }
