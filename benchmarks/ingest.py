@@ -22,7 +22,7 @@ from backend.platform.places import Place
 from backend.platform.store_files import StoreFiles
 from dropflow.experiment import parse_experiment
 from dropflow.frames import Choice, open_frames
-from dropflow.ingest import check_frames, index_stack
+from dropflow.ingest import StackFile, check_frames, index_stack
 from tests.films import EXPERIMENT
 
 FILES_AN_OBJECT = 64
@@ -54,7 +54,8 @@ def read(files: StoreFiles) -> None:
 def ingest(files: StoreFiles) -> None:
     """What the worker does with an upload."""
     experiment = parse_experiment(EXPERIMENT)
-    index = index_stack(files, experiment, checksums=dict.fromkeys(files.names(), "0" * 64))
+    known = {name: StackFile(name=name, size_bytes=1, sha256="0" * 64) for name in files.names()}
+    index = index_stack(files, experiment, known=known)
     with open_frames(files, Choice.of(experiment)) as frames:
         index.checked(check_frames(frames))
 

@@ -13,7 +13,7 @@ from backend.platform.object_store import product_prefix
 from backend.platform.store_files import StoreFiles
 from dropflow.experiment import parse_experiment
 from dropflow.frames import Choice, open_frames
-from dropflow.ingest import StackIndex, check_frames, index_stack
+from dropflow.ingest import StackFile, StackIndex, check_frames, index_stack
 from worker.context import Context
 from worker.film import FRAMES_ROLE, uploaded_files
 from worker.leases import Lease
@@ -38,7 +38,7 @@ def _index(context: Context, lease: Lease) -> StackIndex:
     with context.sessions.begin() as session:
         document = session.get_one(Experiment, experiment_id).document
         files = uploaded_files(session, experiment_id)
-        checksums = _checksums(session, experiment_id)
+        known = _known(session, experiment_id)
     experiment = parse_experiment(document)
     source = StoreFiles(context.store, files[FRAMES_ROLE])
     with ExitStack() as opened:
@@ -48,14 +48,16 @@ def _index(context: Context, lease: Lease) -> StackIndex:
             if role != FRAMES_ROLE
             for place in named.values()
         }
-        index = index_stack(source, experiment, attachments=attachments, checksums=checksums, progress=lease.alive)
+        index = index_stack(source, experiment, attachments=attachments, known=known, progress=lease.alive)
         frames = opened.enter_context(open_frames(source, Choice.of(experiment)))
         return index.checked(check_frames(frames, progress=lease, max_share_broken=experiment.max_failed_frame_share))
 
 
-def _checksums(session: Session, experiment_id: UUID) -> dict[str, str]:
-    query = select(File.name, File.sha256).where(File.experiment_id == experiment_id, File.role == FRAMES_ROLE)
-    return dict(session.execute(query).all())
+def _known(session: Session, experiment_id: UUID) -> dict[str, StackFile]:
+    """Size and checksum of each file of frames, as they were when it came."""
+    query = select(File.name, File.size_bytes, File.sha256)
+    rows = session.execute(query.where(File.experiment_id == experiment_id, File.role == FRAMES_ROLE))
+    return {name: StackFile(name=name, size_bytes=size_bytes, sha256=sha256) for name, size_bytes, sha256 in rows}
 
 
 def _accept(experiment: Experiment, index: StackIndex, index_key: str) -> None:

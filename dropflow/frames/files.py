@@ -1,5 +1,6 @@
 """Folders as named files, the names that are looked at, and the order in which people number them."""
 
+import posixpath
 import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path, PurePosixPath
@@ -33,8 +34,9 @@ def film_names(names: Iterable[str]) -> list[str]:
 
 
 def _called(names: Iterable[str], suffixes: frozenset[str]) -> list[str]:
-    seen = (PurePosixPath(name) for name in names)
-    return natural_order(str(path) for path in seen if path.suffix.lower() in suffixes and not _is_hidden(path))
+    # A path costs ten times what its ending does, and folders hold 20,000 names of the other kind.
+    called = (PurePosixPath(name) for name in names if name[name.rfind(".") :].lower() in suffixes)
+    return natural_order(str(path) for path in called if path.suffix and not _is_hidden(path))
 
 
 def _is_hidden(path: PurePosixPath) -> bool:
@@ -62,7 +64,7 @@ class FolderFiles:
 
 def one_folder(names: Sequence[str], *, label: str) -> Sequence[str]:
     """Refuse frames that lie in several folders: their order would be a guess."""
-    folders = natural_order({str(PurePosixPath(name).parent) for name in names})
+    folders = natural_order({posixpath.dirname(name) or "." for name in names})
     if len(folders) > 1:
         raise FramesError(
             f"Images lie in several folders ({', '.join(folders[:3])}{', ...' if len(folders) > 3 else ''}).",
