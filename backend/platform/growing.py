@@ -8,6 +8,7 @@ and the caller has written that down; what comes after the last such byte is wri
 import fcntl
 import os
 import time
+from contextlib import suppress
 from pathlib import Path
 from typing import Protocol
 
@@ -16,6 +17,7 @@ import obstore
 from backend.platform.places import Piece
 
 _LOCK_WAIT_S = 5.0
+_WRITE_BACK_BYTES = 1 << 22
 
 
 class StillHeld(Exception):
@@ -55,6 +57,7 @@ class GrowingFile:
                 raise OSError(f"{path} has lost bytes that were safe")
             os.ftruncate(self._descriptor, at_byte)
             os.lseek(self._descriptor, at_byte, os.SEEK_SET)
+            self._at = self._begun = at_byte
             if is_new:
                 _sync_folder(path.parent)
         except BaseException:
@@ -66,6 +69,9 @@ class GrowingFile:
         left = memoryview(content)
         while left:
             left = left[os.write(self._descriptor, left) :]
+        self._at += len(content)
+        if self._at - self._begun >= _WRITE_BACK_BYTES:
+            self._begin_write_back()
 
     def sync(self) -> list[Piece]:
         """Have the disk keep it, whatever happens to the machine."""
@@ -77,6 +83,13 @@ class GrowingFile:
         if self._descriptor >= 0:
             os.close(self._descriptor)
             self._descriptor = -1
+
+    def _begin_write_back(self) -> None:
+        """Have the disk begin while more comes, so that `sync` waits half as long; nothing is dropped before."""
+        if hasattr(os, "posix_fadvise"):
+            with suppress(OSError):
+                os.posix_fadvise(self._descriptor, self._begun, self._at - self._begun, os.POSIX_FADV_DONTNEED)
+        self._begun = self._at
 
     def _lock(self) -> None:
         deadline = time.monotonic() + _LOCK_WAIT_S
