@@ -123,7 +123,7 @@ def _prove(place: Deployment, size: Size, seed: int) -> None:
         customer = _customer(api, size)
         reference: list[Json] = []
         alone = InThread(lambda: reference.append(customer.analyse()))
-        place.look_after(lambda: not alone.is_alive(), 120)
+        place.look_after(lambda: not alone.is_alive(), size.longest_s)
         assert alone.error is None, alone.error
         assert reference[0]["state"] == "completed", reference[0]["problem"]
         expected = customer.digest(reference[0])
