@@ -74,6 +74,7 @@ type PhaseProps = { name: "Sending" | "Verifying"; about: string; upload: Upload
 function Phase({ name, about, upload, progress }: PhaseProps) {
   const percent = upload.total_bytes > 0 ? (100 * progress.n_bytes) / upload.total_bytes : 0;
   const left = progress.seconds_left;
+  const isMoving = upload.phase === "sending" && !upload.away;
   return (
     <Stack gap={4}>
       <Group gap={6} wrap="nowrap">
@@ -90,10 +91,8 @@ function Phase({ name, about, upload, progress }: PhaseProps) {
       <Text fz="sm" className="numbers" c="dimmed">
         {formatCount(progress.n_files)} of {plural(upload.n_files, "file")}, {formatBytes(progress.n_bytes)}{" "}
         of {formatBytes(upload.total_bytes)}
-        {progress.bytes_per_s !== null &&
-          upload.phase === "sending" &&
-          `, ${formatBytes(progress.bytes_per_s)}/s`}
-        {left !== null && upload.phase === "sending" && `, about ${formatDuration(Math.ceil(left))} left`}
+        {isMoving && progress.bytes_per_s !== null && `, ${formatBytes(progress.bytes_per_s)}/s`}
+        {isMoving && left !== null && `, about ${formatDuration(Math.ceil(left))} left`}
       </Text>
     </Stack>
   );
