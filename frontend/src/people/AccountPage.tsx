@@ -71,6 +71,7 @@ function Profile({ session }: { session: Session }) {
           </Button>
         </Group>
       </form>
+      {problem && <ProblemAlert problem={problem} shownFields={(field) => field === "name"} />}
       {session.is_mailing && session.person?.email && (
         <Switch
           label="E-mail me when a run that I started has completed or failed"
@@ -79,6 +80,7 @@ function Profile({ session }: { session: Session }) {
           onChange={(event) => mail.mutate(event.currentTarget.checked)}
         />
       )}
+      {mail.error && <ProblemAlert problem={toProblem(mail.error)} />}
     </Panel>
   );
 }

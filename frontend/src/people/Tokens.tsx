@@ -74,7 +74,8 @@ function NewTokenForm() {
             data={SCOPES}
             value={token.scope}
             allowDeselect={false}
-            w={300}
+            w={350}
+            maw="100%"
             onChange={(scope) =>
               scope && setToken((before) => ({ ...before, scope: scope as Token["scope"] }))
             }
