@@ -1,6 +1,6 @@
 """How far database and queue carry: workers that sleep instead of computing, on real tables of a large laboratory.
 
-    python -m benchmarks.cluster [--workers 200] [--hosts 5] [--runs 100] [--frames 20000] [--seconds 150]
+    python -m benchmarks.cluster [--workers 200] [--hosts 5] [--runs 100] [--frames 20000] [--seconds 100]
                                  [--shard-s 20]
 
 Every worker has its own connections and does what a real one does: it takes a message from Valkey, claims in Postgres,
@@ -10,6 +10,7 @@ root), and Postgres and Valkey are reached over a bridge. A shard takes 20 s on 
 times as many workers.
 
 A claim is what passes from a worker's looking for work until it may begin; to publish is what passes after the work.
+All of it runs on this machine: where its cores are busy (printed), these times are of waiting for a core.
 """
 
 import argparse
@@ -31,6 +32,7 @@ from backend.models import Experiment, Group, Person, Run, Shard, Stack, Stage
 from backend.platform.queue import Queue
 from backend.platform.settings import with_driver
 from benchmarks.hosts import Network, network
+from benchmarks.processors import machine_s, spent_s
 from deploy.local.postgres import Postgres, new_password
 from deploy.local.processes import start
 from deploy.local.services import ONE_THREAD
@@ -42,7 +44,7 @@ FRAMES_PER_SHARD = 50
 PEOPLE = 10
 MESSAGES = 5000
 """Sent at once; when they are used up, the reconciler sends more, as after a queue was lost."""
-_START_S = 150.0
+_START_S = 240.0
 _SIZE = """
 SELECT pg_total_relation_size(oid), (xpath('/row/n/text()', query_to_xml('SELECT count(*) AS n FROM ' || relname,
        false, true, '')))[1]::text::bigint FROM pg_class WHERE relname = :name AND relkind = 'r'
@@ -57,6 +59,8 @@ class Servers:
     database_url: str
     redis_url: str
     folder: Path
+    pids: tuple[int, ...] = ()
+    """Of Postgres and Valkey."""
 
     def environment(self, **more: str) -> dict[str, str]:
         """The settings of a process."""
@@ -129,16 +133,18 @@ def servers(net: Network, folder: Path, n_workers: int) -> Iterator[Servers]:
     )
     valkey = Valkey(folder / "valkey", password=new_password(), log=folder / "valkey.log", address=net.address)
     with ExitStack() as stack:
-        for server in (postgres, valkey):
-            stack.callback(server.start().stop)
+        children = [server.start() for server in (postgres, valkey)]
+        for child in children:
+            stack.callback(child.stop)
         postgres.create_database(MIGRATED)
         migrate(postgres.url(MIGRATED))
-        yield Servers(postgres.url(MIGRATED), valkey.url(0), folder)
+        pids = tuple(child.process.pid for child in children)
+        yield Servers(postgres.url(MIGRATED), valkey.url(0), folder, pids)
 
 
 @contextmanager
-def sleepers(there: Servers, net: Network, given: argparse.Namespace) -> Iterator[None]:
-    """A process on each host, with its share of the workers, and a reconciler."""
+def sleepers(there: Servers, net: Network, given: argparse.Namespace) -> Iterator[list[int]]:
+    """A process on each host, with its share of the workers, and a reconciler; gives the ids of the former."""
     notes = there.folder / "notes"
     notes.mkdir()
     environment = there.environment(BENCHMARK_SHARD_S=str(given.shard_s), BENCHMARK_NOTES=str(notes))
@@ -152,7 +158,7 @@ def sleepers(there: Servers, net: Network, given: argparse.Namespace) -> Iterato
     reconciler_log = there.folder / "reconciler.log"
     child = start("reconciler", reconciler, log=reconciler_log, environment=environment, folder=ROOT)
     try:
-        yield
+        yield [process.pid for process in hosts]
     finally:
         for process in hosts:
             process.kill()
@@ -177,12 +183,12 @@ def measure(there: Servers, net: Network, given: argparse.Namespace) -> None:
         n_sent = min(n_shards, MESSAGES)
         for _ in range(n_sent):
             queue.wake("detect")
-        print(f"  {n_sent:,} messages sent, {n_sent / (time.perf_counter() - began_s):.0f}/s")
-        with sleepers(there, net, given):
+        print(f"  {n_sent:,} messages sent, {n_sent / (time.perf_counter() - began_s):.0f}/s", flush=True)
+        with sleepers(there, net, given) as hosts:
             _await_all_at_work(connection, given.workers)
-            began = _state(connection)
+            began = _state(connection, there.pids, hosts)
             time.sleep(given.seconds)
-            ended = _state(connection)
+            ended = _state(connection, there.pids, hosts)
         report(connection, given, began, ended, there.folder / "notes")
         queue.close()
     engine.dispose()
@@ -196,9 +202,11 @@ class State:
     n_completed: int
     n_running: int
     n_commits: int
+    cpu_s: tuple[float, ...]
+    """Spent by Postgres, by Valkey, by all workers, and by whatever runs on this machine."""
 
 
-def _state(connection: Connection) -> State:
+def _state(connection: Connection, servers: Sequence[int], hosts: Sequence[int]) -> State:
     count = "SELECT count(*) FROM shard WHERE state = "
     commits = "SELECT xact_commit FROM pg_stat_database WHERE datname = current_database()"
     return State(
@@ -206,12 +214,14 @@ def _state(connection: Connection) -> State:
         _one(connection, f"{count}'completed'"),
         _one(connection, f"{count}'running'"),
         _one(connection, commits),
+        (*map(spent_s, servers), sum(map(spent_s, hosts)), machine_s()),
     )
 
 
 def _await_all_at_work(connection: Connection, n_workers: int) -> None:
     deadline = time.monotonic() + _START_S
-    while (n := _state(connection).n_running) < 0.95 * n_workers:
+    running = "SELECT count(*) FROM shard WHERE state = 'running'"
+    while (n := _one(connection, running)) < 0.95 * n_workers:
         if time.monotonic() > deadline:
             raise SystemExit(f"After {_START_S:.0f} s only {n} of {n_workers} workers are at work.")
         time.sleep(0.5)
@@ -227,18 +237,31 @@ def report(connection: Connection, given: argparse.Namespace, began: State, ende
     possible = given.workers / given.shard_s
     print(f"{given.workers} workers, {given.hosts or 'no'} hosts, shards of {given.shard_s:g} s, {seconds:.0f} s:")
     print(f"  {n_done / seconds:.1f} shards/s of {possible:.1f} possible; {ended.n_running} at work at the end")
-    print(f"  {(ended.n_commits - began.n_commits) / seconds:.0f} transactions/s in Postgres")
+    n_commits = ended.n_commits - began.n_commits
+    print(f"  {len(lines) / seconds:.1f} claims/s, {n_commits / seconds:.0f} transactions/s in Postgres")
+    spent = [after_s - before_s for before_s, after_s in zip(began.cpu_s, ended.cpu_s, strict=True)]
+    names = ("Postgres", "Valkey", "all workers", "the whole machine")
+    cores = (f"{name} {cpu_s / seconds:.2f}" for name, cpu_s in zip(names, spent, strict=True))
+    print(f"  cores: {', '.join(cores)} of {os.cpu_count()}; Postgres {1000 * spent[0] / n_done:.0f} ms a shard")
     for name, column in (("claim", 1), ("publish", 2)):
         print(f"  to {name}: {_percentiles([line[column] for line in lines])}")
-    people = "SELECT count(*) FROM shard WHERE state = 'completed' GROUP BY person_id ORDER BY 1"
-    fair = connection.execute(text(people)).scalars().all()
-    print(f"  shards done a person: {min(fair)} to {max(fair)} ({len(fair)} of {PEOPLE} people)")
+    for whose in ("person", "run"):
+        print(f"  {_shares(connection, whose)}")
     expired = _one(connection, "SELECT coalesce(sum(count), 0) FROM tally WHERE name = 'lease_expiries'")
     again = _one(connection, "SELECT count(*) FROM shard WHERE attempts > 1 AND state <> 'queued'")
     print(f"  leases that expired: {expired}; shards done more than once: {again}")
     for name in TABLES:
         size, n_rows = connection.execute(text(_SIZE), {"name": name}).one()
         print(f"  table {name:14} {size / 1e6:8.1f} MB, {n_rows:,} rows")
+
+
+def _shares(connection: Connection, whose: str) -> str:
+    """How evenly shards were done; the runs of a person are done one after the other, the oldest first."""
+    done = f"""SELECT count(*) FILTER (WHERE state IN ('running', 'completed')) AS n FROM shard
+               GROUP BY {whose}_id ORDER BY n"""  # noqa: S608 - our own words
+    counts = connection.execute(text(done)).scalars().all()
+    begun = [n for n in counts if n]
+    return f"shards begun a {whose}: {min(begun)} to {max(begun)}, of {len(begun)} of {len(counts)}"
 
 
 def _percentiles(values: Sequence[float]) -> str:
@@ -258,7 +281,7 @@ def main() -> None:
     parser.add_argument("--hosts", type=int, default=0)
     parser.add_argument("--runs", type=int, default=100)
     parser.add_argument("--frames", type=int, default=20_000)
-    parser.add_argument("--seconds", type=float, default=150.0)
+    parser.add_argument("--seconds", type=float, default=100.0)
     parser.add_argument("--shard-s", type=float, default=20.0)
     given = parser.parse_args()
     with tempfile.TemporaryDirectory() as scratch, network(given.hosts) as net:
