@@ -15,6 +15,9 @@ _LEAST_SHARE = 1e-9
 _FAINTEST = -23.0
 """Logarithm of the least energy of a wave over that of the strongest; it must be possible to divide by it."""
 _GAUSSIAN_BELOW = 1e-3
+_UNRESOLVED = 5e-4
+"""Share of the energy that waves need not have."""
+_N_HALVINGS = 40
 
 
 @dataclass(frozen=True)
@@ -48,6 +51,20 @@ class Spectrum:
         log_shape = self.log_shape(waves)
         shape = np.exp(np.maximum(log_shape - log_shape.max(), _FAINTEST))
         return np.asarray(2 * self.rms_um_s**2 * shape / shape.sum())
+
+    @property
+    def finest_per_px(self) -> float:
+        """Wave number beyond which `_UNRESOLVED` of the energy is left: 4.5 over the length, more where it is broad.
+
+        With s = 1 + broadness (k length)^2 / 2 and p = 1 / broadness that share is s^-p (1 + p - p / s).
+        """
+        power = 1 / max(self.broadness, _GAUSSIAN_BELOW)
+        low, high = 0.0, 100.0
+        for _ in range(_N_HALVINGS):
+            middle = (low + high) / 2
+            log_share = -power * middle + np.log1p(power * -np.expm1(-middle))
+            low, high = (middle, high) if log_share > np.log(_UNRESOLVED) else (low, middle)
+        return float(np.sqrt(2 * power * np.expm1(low)) / self.length_px)
 
     def log_shape(self, waves: Waves) -> Column:
         """Logarithm of the energies, up to a constant."""

@@ -12,8 +12,8 @@ from dropflow.tracking.probable.spectrum import Spectrum
 from dropflow.tracking.probable.waves import Waves
 
 _MOST_LATTICES = 3
-_SAME_LENGTH = 0.25
-"""A length that changed by less than this (in ln) does not need another lattice of waves."""
+_SAME_SIZE = 0.25
+"""A lattice whose box or finest wave changed by less than this (in ln) will do."""
 _LONGEST_STEP = 1.5
 """Of a parameter at once; most are logarithms."""
 _NEGLIGIBLE_GAIN = 0.03
@@ -68,10 +68,9 @@ def estimate_spectrum(
     prior = _prior_of(steps, grid)
     found = model or _first_guess(prior, grid, up)
     for _ in range(_MOST_LATTICES):
-        start = replace(found, waves=Waves.over(grid, found.spectrum.length_px), with_potential=with_potential)
-        spectrum = _climb(steps, start, prior, most_iterations)
-        has_moved = abs(np.log(spectrum.length_px / start.spectrum.length_px)) > _SAME_LENGTH
-        found = replace(start, spectrum=spectrum)
+        start = replace(found, waves=_waves_for(found.spectrum, grid), with_potential=with_potential)
+        found = replace(start, spectrum=_climb(steps, start, prior, most_iterations))
+        has_moved = _is_another(_waves_for(found.spectrum, grid), start.waves)
         if not has_moved:
             break
     has_potential = with_potential and found.spectrum.potential_share > _NEGLIGIBLE_SHARE
@@ -118,5 +117,15 @@ def _prior_of(steps: list[Observations], grid: Grid) -> _Prior:
 
 def _first_guess(prior: _Prior, grid: Grid, up: Up) -> Model:
     spectrum = spectrum_of(prior.mean)
-    waves = Waves.over(grid, spectrum.length_px)
-    return Model(waves, spectrum, up, with_potential=True, factor_mean=0.0, factor_variance=0.3**2)
+    return Model(_waves_for(spectrum, grid), spectrum, up, with_potential=True, factor_mean=0.0, factor_variance=0.3**2)
+
+
+def _waves_for(spectrum: Spectrum, grid: Grid) -> Waves:
+    return Waves.over(grid, spectrum.length_px, spectrum.finest_per_px)
+
+
+def _is_another(waves: Waves, other: Waves) -> bool:
+    """Whether two lattices differ so much that what one finds must be looked at with the other."""
+    box = np.log(waves.width_px / other.width_px)
+    finest = np.log(waves.modulus_per_px.max() / other.modulus_per_px.max())
+    return bool(max(abs(box), abs(finest)) > _SAME_SIZE)

@@ -19,8 +19,6 @@ _MARGIN_LENGTHS = 2.5
 does not feel the near one through the period."""
 _LEAST_BOX_LENGTHS = 6.0
 """A box is at least this many correlation lengths wide: its waves must be closer together than the spectrum is wide."""
-_FINEST_WAVE = 4.5
-"""Waves up to this over the correlation length: what is shorter has 0.05 % of the energy of a Gaussian spectrum."""
 _MOST_WAVES = 160
 
 
@@ -38,14 +36,14 @@ class Waves:
     n_y: int
 
     @classmethod
-    def over(cls, grid: Grid, length_px: float) -> Self:
-        """Waves fine enough for a flow with this correlation length, as far as their number allows."""
+    def over(cls, grid: Grid, length_px: float, finest_per_px: float) -> Self:
+        """For a flow with this correlation length, waves up to this wave number as far as their number allows."""
         margin = _MARGIN_LENGTHS * length_px
         width = max(grid.width_px + margin, _LEAST_BOX_LENGTHS * length_px)
         height = max(grid.height_px + margin, _LEAST_BOX_LENGTHS * length_px)
         # The number of waves is a quarter ellipse's area twice: pi/2 n_x n_y.
         affordable = np.sqrt(_MOST_WAVES * 8 * np.pi / (width * height))
-        finest = min(_FINEST_WAVE / length_px, affordable)
+        finest = min(finest_per_px, affordable)
         n_x, n_y = (max(1, int(finest * size / (2 * np.pi))) for size in (width, height))
         return cls(width, height, n_x, n_y)
 

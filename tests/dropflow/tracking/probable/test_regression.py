@@ -21,7 +21,7 @@ UP = (0.6, -0.8)
 
 def model(*, length_px: float = 150.0, with_potential: bool = True, noise_um_s: float = 0.5) -> Model:
     spectrum = Spectrum(10.0, length_px, 0.2 if with_potential else 1e-6, 0.2, noise_um_s)
-    return Model(Waves.over(GRID, length_px), spectrum, UP, with_potential, -0.1, 0.04)
+    return Model(Waves.over(GRID, length_px, 4.5 / length_px), spectrum, UP, with_potential, -0.1, 0.04)
 
 
 def observations(n: int, seed: int = 0) -> Observations:

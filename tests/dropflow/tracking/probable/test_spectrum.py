@@ -13,7 +13,7 @@ from tests.dropflow.tracking.probable.test_regression import GRID, UP, observati
 
 def some_model(length_px: float = 100.0, *, share: float = 0.1) -> Model:
     spectrum = Spectrum(8.0, length_px, share, 0.05, 0.3)
-    return Model(Waves.over(GRID, length_px), spectrum, UP, True, 0.0, 0.09)
+    return Model(Waves.over(GRID, length_px, 4.5 / length_px), spectrum, UP, True, 0.0, 0.09)
 
 
 def test_the_slope_of_the_evidence_is_that_of_its_differences() -> None:
@@ -51,7 +51,7 @@ def test_a_flow_with_divergence_is_recognised() -> None:
 
 def test_energies_sum_to_the_variance_of_the_velocity() -> None:
     """Both components together, however the spectrum is shaped."""
-    waves = Waves.over(GRID, 100.0)
+    waves = Waves.over(GRID, 100.0, 0.045)
     for broadness in (1e-4, 0.1, 1.0):
         spectrum = Spectrum(8.0, 100.0, 0.1, broadness, 0.3)
         assert spectrum.energies(waves).sum() == pytest.approx(2 * 8.0**2)
@@ -71,3 +71,14 @@ def test_droplets_at_rest_give_some_model() -> None:
     found = estimate_spectrum([at_rest], GRID, None, UP, with_potential=True, most_iterations=25)
     assert np.isfinite(found.prior).all()
     assert isinstance(at_rest, Observations)
+
+
+@pytest.mark.parametrize("broadness", [1e-4, 0.1, 0.3])
+def test_the_finest_wave_leaves_next_to_nothing_unresolved(broadness: float) -> None:
+    """Of the energy of a wide lattice less than a thousandth is finer, and a tenth of the way back there is more."""
+    spectrum = Spectrum(8.0, 100.0, 0.1, broadness, 0.3)
+    waves = Waves(4000.0, 4000.0, 150, 150)
+    energies = spectrum.energies(waves) / spectrum.energies(waves).sum()
+    finest = spectrum.finest_per_px
+    assert energies[waves.modulus_per_px > finest].sum() < 1e-3
+    assert energies[waves.modulus_per_px > 0.9 * finest].sum() > 5e-4
