@@ -4,7 +4,7 @@
 
 The tables are those of `benchmarks.statistics_speed`, kept as a run leaves them; the service is the real one on its own
 Postgres. Each line is the median and the largest of some requests after a first one, which loads code; what the service
-keeps of figures that it drew is thrown away before each. The aim is 300 ms.
+keeps of figures that it drew and of what they are drawn from is thrown away before each. The aim is 300 ms.
 """
 
 import argparse
@@ -15,17 +15,13 @@ from collections.abc import Iterator
 from pathlib import Path
 from uuid import UUID
 
-import cv2
 import numpy as np
 import pyarrow.parquet as pq
-from sqlalchemy.orm import Session
 
-from backend.models import Experiment, File, Product, Run, Shard, Stack
-from backend.models.states import RunState, ShardState, StackState
-from backend.people.service import LOCAL_GROUP_ID
 from backend.platform.kept import Kept
-from backend.platform.object_store import QUALITY_FILE, ObjectStore
-from backend.platform.packing import pack
+from backend.platform.object_store import ObjectStore
+from backend.results.film import kept_arrays
+from benchmarks.completed_run import keep_frames, keep_product, keep_run, noise, quality_files
 from benchmarks.statistics_speed import HEIGHT_PX, WIDTH_PX, write_tables
 from dropflow.droplets import Droplets
 from dropflow.figures.catalogue import CATALOGUE
@@ -35,7 +31,6 @@ from dropflow.preprocess.estimate import ESTIMATE_FILE
 from dropflow.results import Results, open_results
 from dropflow.statistics.condense import condense
 from dropflow.statistics.condensed_files import FILES, write_condensed
-from dropflow.statistics.quality import frame_quality
 from tests.house import House, house_settings, open_house
 from tests.services import migrate, running_postgres, running_valkey
 
@@ -71,41 +66,14 @@ def make_results(folder: Path, n_frames: int, n_droplets: int) -> Results:
 
 def keep(house: House, results: Results) -> UUID:
     """Put the results where a run leaves them, and the rows that say so."""
-    store, n_frames = ObjectStore(house.app.state.platform.settings.object_store_url), results.n_frames
+    store = ObjectStore(house.app.state.platform.settings.object_store_url)
     with house.context.sessions.begin() as session:
-        experiment = Experiment(
-            group_id=LOCAL_GROUP_ID,
-            document=results.provenance["experiment"],
-            stack=Stack(
-                state=StackState.READY,
-                n_frames=n_frames,
-                rows=HEIGHT_PX,
-                columns=WIDTH_PX,
-                dtype="uint8",
-                duration_s=n_frames - 1.0,
-                checksum="0" * 64,
-            ),
-        )
-        session.add(experiment)
-        session.flush()
-        run = Run(
-            experiment_id=experiment.id,
-            number=1,
-            state=RunState.COMPLETED,
-            parameters=results.provenance["parameters"],
-            document=experiment.document,
-            version="0",
-            summary=results.summary,
-            stages=[],
-        )
-        session.add(run)
-        session.flush()
-        _keep_frames(session, store, experiment.id, n_frames)
+        run = keep_run(session, results)
+        keep_frames(session, store, run, results.n_frames)
         for task, start, stop, files in _products(results):
-            prefix = f"{task}-{start}/"
-            for name, path in files.items():
-                store.put(prefix + name, path)
-            _keep_product(session, run, task, range(start, stop), prefix, sorted(files))
+            product = keep_product(session, run, task, range(start, stop), sorted(files))
+            for name, content in files.items():
+                store.put(product.prefix + name, content)
         return run.id
 
 
@@ -122,57 +90,20 @@ def _products(results: Results) -> Iterator[tuple[str, int, int, dict[str, Path 
         rows = pq.read_table(results.droplets, filters=[("frame", ">=", start), ("frame", "<", stop)])
         pq.write_table(rows, part, compression="zstd")
         yield "detect", start, stop, {"droplets.parquet": part}
-    quality = pack(frame_quality(folder, results.times_s, results.experiment))
     flow = {path.relative_to(folder).as_posix(): path for path in results.flow.rglob("*") if path.is_file()}
-    yield "track", 0, n_frames, {"trajectories.parquet": results.trajectories, QUALITY_FILE: quality, **flow}
-    example = make_example(_image(), n_frames // 2, Droplets.empty(), results.experiment, results.parameters, measured)
+    yield (
+        "track",
+        0,
+        n_frames,
+        {
+            "trajectories.parquet": results.trajectories,
+            **quality_files(results),
+            **flow,
+        },
+    )
+    example = make_example(noise(), n_frames // 2, Droplets.empty(), results.experiment, results.parameters, measured)
     example.save(folder / EXAMPLE_FILE)
     yield "analyse", 0, n_frames, {name: folder / name for name in (*FILES, EXAMPLE_FILE)}
-
-
-def _keep_product(session: Session, run: Run, task: str, frames: range, prefix: str, names: list[str]) -> None:
-    product = Product(
-        experiment_id=run.experiment_id,
-        task=task,
-        input_key=f"{task}-{frames.start}",
-        start_frame=frames.start,
-        stop_frame=frames.stop,
-        prefix=prefix,
-        files=[{"name": name, "size_bytes": 0, "media_type": "application/octet-stream"} for name in names],
-    )
-    session.add(product)
-    session.flush()
-    shard = Shard(
-        experiment_id=run.experiment_id,
-        run_id=run.id,
-        task=task,
-        start_frame=frames.start,
-        stop_frame=frames.stop,
-        state=ShardState.COMPLETED,
-        product_id=product.id,
-    )
-    session.add(shard)
-
-
-def _image() -> np.ndarray:
-    return np.random.default_rng(0).integers(20, 60, (HEIGHT_PX, WIDTH_PX), np.uint8)
-
-
-def _keep_frames(session: Session, store: ObjectStore, experiment_id: UUID, n_frames: int) -> None:
-    """One image under the names of all frames: only its size matters here."""
-    content = cv2.imencode(".tif", _image(), [cv2.IMWRITE_TIFF_COMPRESSION, 1])[1].tobytes()
-    store.put("frame.tif", content)
-    session.add_all(
-        File(
-            experiment_id=experiment_id,
-            role="frames",
-            name=f"{index:06d}.tif",
-            size_bytes=len(content),
-            sha256="0" * 64,
-            store_key="frame.tif",
-        )
-        for index in range(n_frames)
-    )
 
 
 def asked_for(n_frames: int) -> Iterator[tuple[str, str]]:
@@ -190,6 +121,7 @@ def asked_for(n_frames: int) -> Iterator[tuple[str, str]]:
     yield "flow of a frame", f"frames/{middle}/flow"
     yield "tails", f"frames/{middle}/tails?n_frames=10"
     yield "quality", "quality"
+    yield "quality of a range of radius", "quality?radius_min_um=6&radius_max_um=12"
     yield "catalogue", "figures"
 
 
@@ -203,6 +135,7 @@ def measure(house: House, run_id: UUID, n_frames: int, n_times: int) -> list[str
         times_ms = []
         for _ in range(n_times):
             house.app.state.kept = Kept(0)
+            kept_arrays.cache_clear()
             began = time.perf_counter()
             house.api.get(f"runs/{run_id}/{path}").raise_for_status()
             times_ms.append((time.perf_counter() - began) * 1e3)

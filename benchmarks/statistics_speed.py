@@ -26,6 +26,8 @@ from dropflow.tracking.flow_store import create_flow_store
 from dropflow.tracking.grid import Grid
 
 N_FRAMES_EACH = 20
+ROWS_PER_GROUP = 1 << 16
+"""As tracking writes them."""
 WIDTH_PX, HEIGHT_PX, PIXEL_UM = 2448, 2058, 0.625
 
 
@@ -35,7 +37,7 @@ def write_tables(folder: Path, n_frames: int, n_droplets: int) -> None:
     n_each = n_droplets * 1000 // N_FRAMES_EACH
     with pq.ParquetWriter(folder / "trajectories.parquet", TRAJECTORIES, compression="zstd") as writer:
         for block in range(max(n_frames // 1000, 1)):
-            writer.write_table(trajectory_rows(rng, block, n_each, min(n_frames, 1000)))
+            writer.write_table(trajectory_rows(rng, block, n_each, min(n_frames, 1000)), ROWS_PER_GROUP)
     with (
         pq.ParquetFile(folder / "trajectories.parquet") as table,
         pq.ParquetWriter(folder / "droplets.parquet", DROPLETS, compression="zstd") as writer,

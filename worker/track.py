@@ -10,15 +10,15 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from backend.platform.object_store import QUALITY_FILE, ObjectStore, product_prefix
+from backend.platform.object_store import QUALITY_BY_RADIUS_FILE, QUALITY_FILE, ObjectStore, product_prefix
 from backend.platform.packing import pack
 from backend.platform.zip_stream import zip_stream
 from dropflow import pipeline
 from dropflow.detections import write_droplets
 from dropflow.provenance import provenance
 from dropflow.statistics.flow_moments import flow_moments
-from dropflow.statistics.histograms import FrameHistograms
-from dropflow.statistics.quality import frame_quality
+from dropflow.statistics.histograms import FrameHistograms, radius_edges_um
+from dropflow.statistics.quality import film_quality
 from worker.context import Context
 from worker.detect import DROPLETS_FILE, count
 from worker.downloadable import described, pieces_of
@@ -60,8 +60,7 @@ def work(context: Context, lease: Lease) -> None:
         flow = pack(flow_moments(folder / FLOW, film.experiment.up))
         prefix = product_prefix(claim.experiment_id, claim.shard_id, claim.fence)
         _store(context.store, folder, prefix, lease)
-        quality = frame_quality(folder, np.array(film.index.times_s), film.experiment)
-        context.store.put(prefix + QUALITY_FILE, pack(quality))
+        _store_quality(context.store, film, folder, prefix)
         publish(context, claim, NewProduct(prefix, _files(folder, lease), sizes, flow))
 
 
@@ -96,6 +95,14 @@ def _store(store: ObjectStore, folder: Path, prefix: str, lease: Lease) -> None:
     for n_done, path in enumerate(paths):
         store.put(prefix + path.relative_to(folder).as_posix(), path)
         lease.alive("store", n_done, len(paths))
+
+
+def _store_quality(store: ObjectStore, film: PreparedFilm, folder: Path, prefix: str) -> None:
+    detection = film.parameters.detection
+    edges_um = radius_edges_um(detection.radius_min_um, detection.radius_max_um)
+    of_frames, by_radius = film_quality(folder, np.array(film.index.times_s), film.experiment, edges_um)
+    store.put(prefix + QUALITY_FILE, pack(of_frames))
+    store.put(prefix + QUALITY_BY_RADIUS_FILE, pack(by_radius))
 
 
 def _flow_files(folder: Path) -> list[Path]:

@@ -84,7 +84,7 @@ def _compared(
     compared, left_out = [], []
     for asker, shown in zip(asked, _shown([asker.run() for asker in asked]), strict=True):
         try:
-            facts = results.facts_of(asker)
+            facts = asker.facts()
             found = findings(facts, results.condensed(asker, store, entry.needs, facts), asked_for)
         except NotYet:
             reason: str | None = LATER[entry.needs]
@@ -169,7 +169,7 @@ def _parameters(entry: ComparedEntry, asked: Sequence[Asker]) -> list[FigurePara
     """With the range that holds those of all runs."""
     of_each = [
         [
-            shown_parameter(parameter, results.facts_of(asker), asker.run().experiment.stack.duration_s or 0.0)
+            shown_parameter(parameter, asker.facts(), asker.run().experiment.stack.duration_s or 0.0)
             for parameter in entry.parameters
         ]
         for asker in asked

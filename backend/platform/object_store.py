@@ -21,8 +21,8 @@ from backend.platform.imported import Imported
 from backend.platform.places import INDEX_NAME, READ_BYTES, Piece, Place, ReadAt, buffered, joined, read_index
 
 _MOST_INDEXES = 1000
-QUALITY_FILE = "quality.bin"
-"""Beside what tracking made: `dropflow.statistics.quality.FrameQuality`, packed."""
+QUALITY_FILE, QUALITY_BY_RADIUS_FILE = "quality.bin", "quality_by_radius.bin"
+"""Beside what tracking made: `FrameQuality` and `QualityByRadius` of `dropflow.statistics.quality`, packed."""
 
 
 def file_key(experiment_id: UUID, file_id: UUID) -> str:
@@ -58,7 +58,7 @@ class ObjectStore:
             self.store: obstore.store.ObjectStore = LocalStore(self._root, automatic_cleanup=True)
         else:
             self.store = from_url(url)
-        self._url = url
+        self.url = url
         self._indexes: dict[str, list[Piece]] = {}
 
     async def put_stream(self, key: str, chunks: AsyncIterator[bytes]) -> None:
@@ -175,7 +175,7 @@ class ObjectStore:
 
     def zarr_store(self, prefix: str) -> zarr.storage.ObjectStore[Any]:
         """The objects below `prefix` as an array store to read from."""
-        store = from_url(f"{self._url.rstrip('/')}/{prefix}") if self._root is None else LocalStore(self._root / prefix)
+        store = from_url(f"{self.url.rstrip('/')}/{prefix}") if self._root is None else LocalStore(self._root / prefix)
         return zarr.storage.ObjectStore(store, read_only=True)
 
     def remove(self, key: str) -> None:

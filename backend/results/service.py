@@ -67,9 +67,21 @@ class Asker:
             raise NotYet
         return found
 
-    def done(self) -> set[str]:
-        """The tasks that have left something."""
-        return repository.done(self.session, self.viewer, self.run_id)
+    def done(self) -> frozenset[str]:
+        """The tasks that have left something, as of this request."""
+        return self._done
+
+    @cached_property
+    def _done(self) -> frozenset[str]:
+        return frozenset(repository.done(self.session, self.viewer, self.run_id))
+
+    def facts(self) -> FilmFacts:
+        """What statistics must know of the film, read once a request."""
+        return self._facts
+
+    @cached_property
+    def _facts(self) -> FilmFacts:
+        return film.facts_of(self.run(), self.shape())
 
     def shape(self) -> tuple[int, int]:
         """Rows and columns of the frames."""
@@ -148,15 +160,10 @@ def frame_figure(asker: Asker, store: ObjectStore, name: FigureName, query: Figu
 
 
 def _facts(asker: Asker, entry: Entry) -> FilmFacts:
-    facts = facts_of(asker)
+    facts = asker.facts()
     if missing := entry.drawing.missing(facts):
         raise NotOfThisFilm(missing)
     return facts
-
-
-def facts_of(asker: Asker) -> FilmFacts:
-    """What statistics must know of the film of a run."""
-    return film.facts_of(asker.run(), asker.shape())
 
 
 def _findings(asker: Asker, store: ObjectStore, entry: Entry, query: FigureQuery) -> Findings:

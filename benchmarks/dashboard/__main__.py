@@ -1,8 +1,10 @@
 """`python -m benchmarks.dashboard [FRAMES] [DROPLETS]`: open a run of 20,000 frames in Chromium, and work with it.
 
 Everything is real but the run's tables, which are made up (straight paths, no frames): Postgres, API, the built page.
-Printed: seconds until the page stands there whole, in a browser that has seen nothing of it yet, and milliseconds from
-the beginning of each action to the last change that followed it.
+Printed: seconds until the page stands there whole, in a browser that has seen nothing of it yet; and of each action the
+milliseconds from the input (a key pressed, a pointer let go) to the next picture, in which the page shows that it heard
+("seen"), and to the last change that followed of the document or a canvas ("whole"). What is out of sight is drawn
+when somebody comes to it, and counts there.
 """
 
 import os
@@ -10,7 +12,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from benchmarks.dashboard.browser import Act, browser, drawn_over, opened, pressed, tab, took_ms
+from benchmarks.dashboard.browser import Act, answer, browser, drawn_over, opened, pressed, tab
 from benchmarks.dashboard.film import make_run
 from tests.services import MIGRATED, database, migrate, running_postgres, running_service, running_valkey
 
@@ -62,10 +64,12 @@ def measure(address: str) -> int:
         worst_s = max(times_s)
         print(f"opens in {', '.join(f'{one:.2f}' for one in times_s)} s (at most {OPENS_IN_S:g})")
         is_slow = worst_s > OPENS_IN_S
+        print(f"{'':<32}{'seen':>8}{'whole':>8} (ms)")
         for name, act in ACTIONS:
-            took = took_ms(page, act)
-            is_slow |= took > ANSWERS_IN_MS
-            print(f"{name:<32}{took:>8.0f} ms{'   slow' if took > ANSWERS_IN_MS else ''}")
+            took = answer(page, act)
+            is_slow |= took.whole_ms > ANSWERS_IN_MS
+            note = "   slow" if took.whole_ms > ANSWERS_IN_MS else ""
+            print(f"{name:<32}{took.seen_ms:>8.0f}{took.whole_ms:>8.0f}{note}")
     return int(is_slow)
 
 

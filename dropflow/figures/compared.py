@@ -16,7 +16,7 @@ from dropflow.figures.oscillations import periods_against_driving
 from dropflow.figures.size_distribution import DENSITY_TITLES, radius_ticks
 from dropflow.statistics.comparison import DrivenPeriods, LeftOut, driven_periods, law_of, table_of
 from dropflow.statistics.findings import Findings
-from dropflow.statistics.histograms import FrameHistograms, coarsen
+from dropflow.statistics.histograms import coarsen
 from dropflow.statistics.size_distribution import size_distribution as density_of
 from dropflow.statistics.size_distribution import size_moments
 
@@ -69,11 +69,6 @@ def _figure(title: str, height_px: int = 520) -> go.Figure:
     return figure.update_layout(legend={"x": 1.01, "y": 1, "xanchor": "left"}, margin={"r": 200})
 
 
-def _shown(found: Findings) -> FrameHistograms:
-    """Droplets of trajectories, or detections while nothing was tracked."""
-    return found.after if len(found.after) else found.before
-
-
 def _common_depths(compared: Sequence[Compared]) -> list[float | npt.NDArray[np.float64] | None]:
     """Per volume only where the depth is known of all: else they could not be held against each other."""
     depths = [one.found.depth_um for one in compared]
@@ -87,7 +82,7 @@ def _sizes(compared: Sequence[Compared], title: str) -> go.Figure:
     figure.update_xaxes(range=np.log10([edges_um.min(), edges_um.max()]).tolist())
     figure.update_xaxes(tickmode="array", tickvals=radius_ticks(np.sort(edges_um)))
     for one, depth_um in zip(compared, _common_depths(compared), strict=True):
-        part = coarsen(_shown(one.found), 1)
+        part = coarsen(one.found.shown_sizes, 1)
         of = density_of(part, area_um2=one.found.facts.area_um2, observation_depth_um=depth_um, seen=one.found.seen)
         figure.update_yaxes(title_text=DENSITY_TITLES[of.unit], type="log", exponentformat="power")
         if of.density.any():
@@ -98,7 +93,7 @@ def _sizes(compared: Sequence[Compared], title: str) -> go.Figure:
 
 def _moments(compared: Sequence[Compared], title: str) -> go.Figure:
     figure = _figure(title, height_px=760)
-    shown = [coarsen(_shown(one.found), MAX_COLUMNS) for one in compared]
+    shown = [coarsen(one.found.shown_sizes, MAX_COLUMNS) for one in compared]
     factor, unit = time_axis(np.concatenate([of.time_s for of in shown] or [np.empty(0)]))
     depths = _common_depths(compared)
     fraction = "area fraction" if any(depth is None for depth in depths) else "volume fraction"

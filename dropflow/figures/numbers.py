@@ -56,7 +56,7 @@ def distribution_at(found: Findings) -> pl.DataFrame:
 
 def moments(found: Findings) -> pl.DataFrame:
     """One row a column of time."""
-    shown = coarsen(found.after if len(found.after) else found.before, MAX_COLUMNS)
+    shown = coarsen(found.shown_sizes, MAX_COLUMNS)
     of = size_moments(shown, area_um2=found.facts.area_um2, observation_depth_um=found.depth_um, seen=found.seen)
     fraction = "volume_fraction" if of.is_volume_fraction else "area_fraction"
     percentiles = {f"radius_p{p:.0f}_um": of.percentiles_um[:, i] for i, p in enumerate(PERCENTILES)}

@@ -27,8 +27,7 @@ def range_of_times(found: Findings, **said: Any) -> go.Figure:
 
 
 def moments(found: Findings, **said: Any) -> go.Figure:
-    shown = found.after if len(found.after) else found.before
-    return figures.moments(shown, **sizes(found), seen=found.seen, **said)
+    return figures.moments(found.shown_sizes, **sizes(found), seen=found.seen, **said)
 
 
 def of_part(draw_part: Draw, part: str) -> Draw:

@@ -73,10 +73,18 @@ def write_condensed(found: Condensed, folder: Path, provenance: dict[str, Any]) 
 
 
 class StoredCondensed:
-    """What `write_condensed` wrote, read part by part; `open_file` opens one of `FILES` by its name."""
+    """What `write_condensed` wrote, read part by part.
 
-    def __init__(self, open_file: Callable[[str], BinaryIO]) -> None:
-        self._open = open_file
+    Parameters
+    ----------
+    open_file
+        Opens one of `FILES` by its name.
+    kept
+        Parts of `STATISTICS_FILE` that were read before; what is read is added. Tables are read anew.
+    """
+
+    def __init__(self, open_file: Callable[[str], BinaryIO], kept: dict[str, Any] | None = None) -> None:
+        self._open, self._kept = open_file, {} if kept is None else kept
 
     @cached_property
     def clock(self) -> Clock:
@@ -129,9 +137,14 @@ class StoredCondensed:
         return self._table(EVENTS_FILE)
 
     def _part(self, part: str, kind: type[Columns]) -> Columns:
-        with self._open(STATISTICS_FILE) as file, np.load(file, allow_pickle=False) as arrays:
-            values = {field.name: arrays[f"{part}.{field.name}"] for field in fields(kind)}  # type: ignore[arg-type]
-        return kind(**{name: value if value.ndim else value.item() for name, value in values.items()})
+        if part not in self._kept:
+            with self._open(STATISTICS_FILE) as file, np.load(file, allow_pickle=False) as arrays:
+                values = {field.name: arrays[f"{part}.{field.name}"] for field in fields(kind)}  # type: ignore[arg-type]
+            for array in values.values():
+                array.setflags(write=False)  # shared by all who ask
+            self._kept[part] = kind(**{name: value if value.ndim else value.item() for name, value in values.items()})
+        found: Columns = self._kept[part]
+        return found
 
     def _table(self, name: str, columns: Sequence[str] | None = None) -> pl.DataFrame:
         with self._open(name) as file:

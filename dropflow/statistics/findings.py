@@ -73,6 +73,11 @@ class Findings:
         """Droplets of trajectories."""
         return self.scope.histograms(self.condensed.after)
 
+    @property
+    def shown_sizes(self) -> FrameHistograms:
+        """Droplets of trajectories, or all detections while nothing was tracked."""
+        return self.after if len(self.after) else self.before
+
     @cached_property
     def trajectories(self) -> pl.DataFrame:
         """One row a trajectory."""

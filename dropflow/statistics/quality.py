@@ -1,6 +1,6 @@
 """How well a run did, frame by frame: counts, matches, uncertainties, and how far predictions were off."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
@@ -11,9 +11,13 @@ import pyarrow.parquet as pq
 import zarr
 
 from dropflow.experiment import Experiment
+from dropflow.statistics.scope import Scope
 
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
+
+MOST_COLUMNS = 2000
+"""Of a longer film neighbouring frames are summed up by radius: twice what a screen shows."""
 
 _COLUMNS = [
     *("trajectory_id", "frame", "time_s", "x_px", "y_px", "r_px", "r_std_px", "match", "is_detected"),
@@ -42,8 +46,40 @@ class FrameQuality:
     n_residuals: Integers
 
 
-def frame_quality(folder: Path, times_s: Floats, experiment: Experiment) -> FrameQuality:
-    """What the tables of a film say of each of its frames; one row group is in memory at a time.
+@dataclass(frozen=True)
+class QualityByRadius:
+    """The same sums by radius, shape (n_columns, n_bins); a column of a long film is a few neighbouring frames."""
+
+    edges_um: Floats
+    """Edges of the radius bins, shape (n_bins + 1,)."""
+    first_frame: Integers
+    """First frame of each column, shape (n_columns,)."""
+    n_frames: Integers
+    """Frames of each column, shape (n_columns,)."""
+    time_s: Floats
+    """Mean time of its frames, shape (n_columns,)."""
+    n_detected: Integers
+    n_tracked: Integers
+    n_predicted: Integers
+    match_sum: Floats
+    radius_std_sum: Floats
+    n_radius_std: Integers
+    residual_squared_sum_px: Floats
+    n_residuals: Integers
+
+    def within(self, scope: Scope) -> FrameQuality:
+        """The sums of each column over the bins whose middles lie inside the scope's radii."""
+        bins = scope.bins(self.edges_um)
+        return FrameQuality(self.time_s, **{name: getattr(self, name)[:, bins].sum(axis=1) for name in _SUMS})
+
+
+_SUMS = tuple(field.name for field in fields(FrameQuality) if field.name != "time_s")
+
+
+def film_quality(
+    folder: Path, times_s: Floats, experiment: Experiment, edges_um: Floats
+) -> tuple[FrameQuality, QualityByRadius]:
+    """What the tables of a film say of its frames, over all radii and by radius; one row group is in memory at a time.
 
     Parameters
     ----------
@@ -51,14 +87,25 @@ def frame_quality(folder: Path, times_s: Floats, experiment: Experiment) -> Fram
         Holds ``droplets.parquet``, ``trajectories.parquet`` and ``flow.zarr``.
     times_s
         Time of each frame, shape (n_frames,).
+    edges_um
+        Edges of the radius bins, shape (n_bins + 1,). Droplets outside them are in no bin.
     """
-    n_frames = len(times_s)
-    sums = np.zeros((4, n_frames))
-    n_detected, counts = np.zeros(n_frames, np.int64), np.zeros((3, n_frames), np.int64)
+    n_frames, n_bins = len(times_s), len(edges_um) - 1
+    n_together = max(1, -(-n_frames // MOST_COLUMNS))
+    starts = np.arange(0, n_frames, n_together)
+    every, by_radius = (_Sums(n) for n in (n_frames, len(starts) * n_bins))
+
+    def add(name: str, frame: Integers, r_um: Floats, values: Floats | None = None) -> None:
+        every.add(name, frame, values)
+        radius_bin = np.searchsorted(edges_um, r_um, side="right") - 1
+        inside = (radius_bin >= 0) & (radius_bin < n_bins)
+        cell = frame // n_together * n_bins + radius_bin
+        by_radius.add(name, cell[inside], None if values is None else values[inside])
+
     droplets = pq.ParquetFile(folder / "droplets.parquet")
     for group in range(droplets.num_row_groups):
-        frames = droplets.read_row_group(group, columns=["frame"])["frame"].to_numpy()
-        n_detected += np.bincount(frames, minlength=n_frames)
+        rows = droplets.read_row_group(group, columns=["frame", "r_um"])
+        add("n_detected", _frames(rows), rows["r_um"].to_numpy())
     velocity = np.asarray(zarr.open_array(folder / "flow.zarr" / "velocity_um_s", mode="r")[:])
     grid = [
         np.asarray(zarr.open_array(folder / "flow.zarr" / name, mode="r")[:]) for name in ("grid_x_px", "grid_y_px")
@@ -66,39 +113,53 @@ def frame_quality(folder: Path, times_s: Floats, experiment: Experiment) -> Fram
     trajectories = pq.ParquetFile(folder / "trajectories.parquet")
     for group in range(trajectories.num_row_groups):
         rows = trajectories.read_row_group(group, columns=_COLUMNS)
-        frame, values = _by_droplet(rows)
-        for index, value in enumerate(values):
-            sums[index] += np.bincount(frame, np.nan_to_num(value), n_frames)
-        counts[0] += np.bincount(frame, minlength=n_frames)
-        counts[1] += np.bincount(frame[np.isfinite(values[2])], minlength=n_frames)
-        steps, squared = _residuals(rows, velocity, grid, experiment)
-        sums[3] += np.bincount(steps, squared, n_frames)
-        counts[2] += np.bincount(steps, minlength=n_frames)
-    return FrameQuality(
-        time_s=np.asarray(times_s, np.float64),
-        n_detected=n_detected,
-        n_tracked=counts[0],
-        n_predicted=sums[0].astype(np.int64),
-        match_sum=sums[1],
-        radius_std_sum=sums[2],
-        n_radius_std=counts[1],
-        residual_squared_sum_px=sums[3],
-        n_residuals=counts[2],
+        frame, r_um = _frames(rows), rows["r_px"].to_numpy() * experiment.pixel_size_um
+        is_detected = rows["is_detected"].to_numpy(zero_copy_only=False)
+        add("n_tracked", frame, r_um)
+        add("n_predicted", frame[~is_detected], r_um[~is_detected])
+        add("match_sum", frame, r_um, np.nan_to_num(np.where(is_detected, rows["match"].to_numpy(), 0.0)))
+        std_share = rows["r_std_px"].to_numpy() / rows["r_px"].to_numpy()
+        is_known = np.isfinite(std_share)
+        add("radius_std_sum", frame[is_known], r_um[is_known], std_share[is_known])
+        add("n_radius_std", frame[is_known], r_um[is_known])
+        here, squared = _residuals(rows, velocity, grid, experiment)
+        add("residual_squared_sum_px", frame[here], r_um[here], squared)
+        add("n_residuals", frame[here], r_um[here])
+    counted = np.diff(np.append(starts, n_frames))
+    return FrameQuality(np.asarray(times_s, np.float64), **every.arrays()), QualityByRadius(
+        edges_um=np.asarray(edges_um, np.float64),
+        first_frame=starts,
+        n_frames=counted,
+        time_s=np.add.reduceat(np.asarray(times_s, np.float64), starts) / counted if n_frames else np.zeros(0),
+        **by_radius.arrays((len(starts), n_bins)),
     )
 
 
-def _by_droplet(rows: pa.Table) -> tuple[Integers, tuple[Floats, Floats, Floats]]:
-    """Frame of each row, and what is summed: whether it was predicted, its match, its relative uncertainty."""
-    is_detected = rows["is_detected"].to_numpy(zero_copy_only=False)
-    match = np.where(is_detected, rows["match"].to_numpy(), 0.0)
-    r_px, r_std_px = rows["r_px"].to_numpy(), rows["r_std_px"].to_numpy()
-    return rows["frame"].to_numpy().astype(np.int64), ((~is_detected).astype(np.float64), match, r_std_px / r_px)
+class _Sums:
+    """Sums by an index, those whose names begin with n_ of ones."""
+
+    def __init__(self, size: int) -> None:
+        self._size = size
+        self._sums = {name: np.zeros(size) for name in _SUMS}
+
+    def add(self, name: str, index: Integers, values: Floats | None) -> None:
+        self._sums[name] += np.bincount(index, values, self._size)
+
+    def arrays(self, shape: tuple[int, ...] | None = None) -> dict[str, Any]:
+        return {
+            name: (sums.astype(np.int64) if name.startswith("n_") else sums).reshape(shape or sums.shape)
+            for name, sums in self._sums.items()
+        }
+
+
+def _frames(rows: pa.Table) -> Integers:
+    return np.asarray(rows["frame"].to_numpy(), np.int64)
 
 
 def _residuals(
     rows: pa.Table, velocity: npt.NDArray[Any], grid: list[Floats], experiment: Experiment
 ) -> tuple[Integers, Floats]:
-    """Step and squared distance (px) of each droplet that goes on to the next frame."""
+    """Rows of the droplets that go on to the next frame, and the squared distance (px) of each."""
     column = {name: rows[name].to_numpy(zero_copy_only=False) for name in rows.column_names}
     goes_on = (np.diff(column["trajectory_id"]) == 0) & (np.diff(column["frame"]) == 1)
     here = np.flatnonzero(goes_on)
@@ -109,7 +170,7 @@ def _residuals(
     off_y = column["v_um_s"][here] - flow[1] - sinking * experiment.up[1]
     squared = (off_x**2 + off_y**2) * (step_s / experiment.pixel_size_um) ** 2
     is_known = np.isfinite(squared)
-    return column["frame"][here][is_known].astype(np.int64), squared[is_known]
+    return here[is_known], squared[is_known]
 
 
 def flow_at(

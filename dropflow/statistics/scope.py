@@ -54,15 +54,26 @@ class Scope:
         found = whole if inside.all() else whole[inside]
         if not self.has_radii:
             return found
-        bins = np.flatnonzero(self.radii(whole.radius_um))
-        if not len(bins):
-            raise ParametersError(
-                "No radius bin lies in this range.",
-                fields=[FieldProblem("radius_min_um", f"bins go from {whole.edges_um[0]:g} to {whole.edges_um[-1]:g}")],
-            )
+        bins = self.bins(whole.edges_um)
         counts, radius_um = found.counts[:, bins], whole.radius_um[bins]
         moments = np.stack([(counts * radius_um**power).sum(axis=1) for power in range(N_MOMENTS)], axis=1)
         return replace(found, edges_um=whole.edges_um[bins[0] : bins[-1] + 2], counts=counts, moments=moments)
+
+    def bins(self, edges_um: npt.NDArray[np.float64]) -> npt.NDArray[np.int64]:
+        """The radius bins whose middles (in log r) lie inside, at least one.
+
+        Raises
+        ------
+        ParametersError
+            None does.
+        """
+        bins = np.flatnonzero(self.radii(np.sqrt(edges_um[:-1] * edges_um[1:])))
+        if not len(bins):
+            raise ParametersError(
+                "No radius bin lies in this range.",
+                fields=[FieldProblem("radius_min_um", f"bins go from {edges_um[0]:g} to {edges_um[-1]:g}")],
+            )
+        return bins
 
     def seen(self, whole: InSight, radius_um: npt.NDArray[np.float64]) -> InSight:
         """Of the radius bins whose middles lie inside."""

@@ -16,4 +16,8 @@ window.ResizeObserver ??= class {
   unobserve() {}
   disconnect() {}
 };
+window.IntersectionObserver ??= class {
+  observe() {}
+  disconnect() {}
+} as unknown as typeof IntersectionObserver;
 Object.defineProperty(document, "fonts", { value: new EventTarget(), configurable: true });

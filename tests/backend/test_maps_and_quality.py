@@ -3,12 +3,16 @@
 import io
 import zipfile
 from pathlib import Path
+from uuid import UUID
 
 import numpy as np
 import polars as pl
 import pytest
 import zarr
+from sqlalchemy import select
 
+from backend.models import Product, Shard
+from backend.platform.object_store import QUALITY_BY_RADIUS_FILE
 from tests.house import House, Json
 
 
@@ -86,3 +90,62 @@ def test_coarser_columns_keep_the_totals(shared_house: House, run: Json) -> None
     assert coarse["n_tracked"][0] == pytest.approx(np.mean(fine["n_tracked"][:first]))
     nothing = shared_house.ok(shared_house.api.get(address, params={"from_s": 1e9}))
     assert nothing["time_s"] == []
+
+
+def test_quality_of_a_range_of_radius_is_of_its_droplets(shared_house: House, run: Json) -> None:
+    address = f"runs/{run['id']}/quality"
+    every = shared_house.ok(shared_house.api.get(address))
+    assert (every["is_of_radii"], every["trajectories"]) == (True, None)
+    detection = run["parameters"]["detection"]
+    edges_um = np.geomspace(detection["radius_min_um"], detection["radius_max_um"], 49)
+    tracked = pl.read_parquet(io.BytesIO(_file(shared_house, run, "trajectories.parquet")))
+    split = int(np.searchsorted(edges_um, tracked["r_um"].median()))
+    limits = {"radius_min_um": edges_um[0], "radius_max_um": edges_um[split]}
+    small = shared_house.ok(shared_house.api.get(address, params=limits))
+    large = shared_house.ok(shared_house.api.get(address, params={"radius_min_um": edges_um[split]}))
+    inside = tracked.filter(pl.col("r_um") < edges_um[split])
+    frames = range(len(every["time_s"]))
+    assert small["is_of_radii"]
+    assert small["n_tracked"] == [inside.filter(pl.col("frame") == frame).height for frame in frames]
+    here = inside.filter((pl.col("frame") == 2) & pl.col("is_detected"))
+    assert small["match"][2] == pytest.approx(here["match"].mean())
+    for name in ("n_detected", "n_tracked"):
+        parts = np.array(small[name]) + np.array(large[name])
+        assert parts == pytest.approx(np.array(every[name])), "every droplet has a radius that was looked for"
+
+
+def test_trajectories_of_a_range_are_counted_by_reason(shared_house: House, run: Json) -> None:
+    address = f"runs/{run['id']}/quality"
+    found = shared_house.ok(shared_house.api.get(address, params={"from_s": -1.0}))["trajectories"]
+    rejected = run["summary"]["n_rejected_trajectories"]
+    assert found == {"kept": run["summary"]["n_trajectories"], **rejected}
+    none = shared_house.ok(shared_house.api.get(address, params={"from_s": 1e9}))
+    assert set(none["trajectories"].values()) == {0}
+
+
+def test_quality_that_was_counted_over_all_radii_says_so(shared_house: House, run: Json) -> None:
+    """A run of an earlier version: there is no file of radii."""
+    with shared_house.context.sessions.begin() as session:
+        prefix = session.scalars(
+            select(Product.prefix)
+            .join(Shard, Shard.product_id == Product.id)
+            .where(Shard.run_id == UUID(run["id"]), Shard.task == "track")
+        ).one()
+    key = prefix + QUALITY_BY_RADIUS_FILE
+    kept = shared_house.context.store.read(key)
+    shared_house.context.store.remove(key)
+    try:
+        found = shared_house.ok(
+            shared_house.api.get(f"runs/{run['id']}/quality", params={"radius_min_um": run_radius(run)})
+        )
+    finally:
+        shared_house.context.store.put(key, kept)
+    every = shared_house.ok(shared_house.api.get(f"runs/{run['id']}/quality"))
+    assert not found["is_of_radii"]
+    assert found["n_tracked"] == every["n_tracked"]
+
+
+def run_radius(run: Json) -> float:
+    """A radius that halves the range."""
+    detection = run["parameters"]["detection"]
+    return float(np.sqrt(detection["radius_min_um"] * detection["radius_max_um"]))

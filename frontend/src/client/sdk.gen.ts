@@ -1526,7 +1526,7 @@ export const tailsGet = <ThrowOnError extends boolean = true>(options: Options<T
 /**
  * Quality Get
  *
- * Get how well a run did over time.
+ * Get how well a run did over time, of a part of the film or of all of it.
  */
 export const qualityGet = <ThrowOnError extends boolean = true>(options: Options<QualityGetData, ThrowOnError>) => (options.client ?? client).get<QualityGetResponses, QualityGetErrors, ThrowOnError>({
     security: [{

@@ -2145,6 +2145,10 @@ export type Quality = {
      */
     first_frame: Array<number>;
     /**
+     * Is Of Radii
+     */
+    is_of_radii: boolean;
+    /**
      * Match
      */
     match: Array<number | null>;
@@ -2172,6 +2176,12 @@ export type Quality = {
      * Time S
      */
     time_s: Array<number>;
+    /**
+     * Trajectories
+     */
+    trajectories: {
+        [key: string]: number;
+    } | null;
 };
 
 /**
@@ -9368,6 +9378,18 @@ export type QualityGetData = {
          * Only frames up to this time.
          */
         to_s?: number | null;
+        /**
+         * Radius Min Um
+         *
+         * Only droplets at least as large.
+         */
+        radius_min_um?: number | null;
+        /**
+         * Radius Max Um
+         *
+         * Only droplets at most as large.
+         */
+        radius_max_um?: number | null;
         /**
          * Max Columns
          *

@@ -1,6 +1,6 @@
 import { Input, SegmentedControl, Select } from "@mantine/core";
-import type { FieldInputProps } from "./FieldInput";
 import { Help, Label } from "./FieldLabel";
+import type { FieldInputProps } from "./inputProps";
 import { readable } from "./words";
 
 const FEW = 4;

@@ -12,18 +12,11 @@ import { Prose } from "../platform/Prose";
 import { ChoiceInput } from "./ChoiceInput";
 import { branchOf } from "./check";
 import { Help, Label } from "./FieldLabel";
+import type { FieldInputProps } from "./inputProps";
 import { NumberField } from "./NumberField";
 import type { Field } from "./schema";
 import { MomentInput, WordsInput } from "./TextInputs";
 import { VectorInput } from "./VectorInput";
-
-export type FieldInputProps = {
-  field: Field;
-  value: unknown;
-  onChange: (path: string, value: unknown) => void;
-  messages: Record<string, string>;
-  valueOf: (path: string) => unknown;
-};
 
 /** The input that fits a field of a schema. */
 export function FieldInput(props: FieldInputProps) {

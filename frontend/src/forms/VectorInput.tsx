@@ -1,6 +1,6 @@
 import { Group, Input } from "@mantine/core";
-import type { FieldInputProps } from "./FieldInput";
 import { Help, Label } from "./FieldLabel";
+import type { FieldInputProps } from "./inputProps";
 import { NumberField } from "./NumberField";
 
 const AXES = ["x", "y", "z"];

@@ -1,11 +1,13 @@
-import { Anchor, Badge, Group, Text } from "@mantine/core";
+import { Anchor, Badge, Box, Group, Text } from "@mantine/core";
 import { IconTableDown } from "@tabler/icons-react";
 import { useQuery } from "@tanstack/react-query";
+import { useRef } from "react";
 import type { FigureEntry, Run } from "../client";
 import { apiUrl } from "../platform/base";
 import { Panel } from "../platform/Panel";
 import { Prose } from "../platform/Prose";
 import { Loading, QueryView } from "../platform/QueryView";
+import { useInSight } from "../platform/sight";
 import { type Asked, askedOf, askedQuery } from "./asked";
 import type { Figure, RangeChange, Ranges } from "./figure";
 import { NotYet } from "./NotYet";
@@ -25,7 +27,9 @@ type FigureCardProps = {
 /** One figure of the paper: how it is computed, drawn for the ranges that are looked at, its table to download. */
 export function FigureCard({ run, entry, ranges, onRanges, more, height = 420, ...plot }: FigureCardProps) {
   const asked = { ...askedOf(entry, ranges), ...more };
-  const query = useQuery(figureQuery(run, entry.name, asked));
+  const place = useRef<HTMLDivElement>(null);
+  const isSeen = useInSight(place);
+  const query = useQuery({ ...figureQuery(run, entry.name, asked), enabled: isSeen && entry.is_available });
   return (
     <Panel
       title={entry.title}
@@ -53,22 +57,27 @@ export function FigureCard({ run, entry, ranges, onRanges, more, height = 420, .
       }
     >
       {entry.is_available ? (
-        <QueryView query={query} loading={<Loading rows={1} height={height} />}>
-          {(figure) =>
-            figure ? (
-              <Plot
-                figure={figure as unknown as Figure}
-                label={entry.title}
-                height={height}
-                ranges={ranges}
-                onRanges={onRanges}
-                {...plot}
-              />
-            ) : (
-              <NotYet run={run} />
-            )
-          }
-        </QueryView>
+        <div ref={place}>
+          <QueryView
+            query={query}
+            loading={isSeen ? <Loading rows={1} height={height} /> : <Box h={height} />}
+          >
+            {(figure) =>
+              figure ? (
+                <Plot
+                  figure={figure as unknown as Figure}
+                  label={entry.title}
+                  height={height}
+                  ranges={ranges}
+                  onRanges={onRanges}
+                  {...plot}
+                />
+              ) : (
+                <NotYet run={run} />
+              )
+            }
+          </QueryView>
+        </div>
       ) : (
         <Text fz="sm" c="dimmed">
           {entry.reason}

@@ -1,6 +1,9 @@
+import { Box } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
+import { useRef } from "react";
 import type { FigureName, Run } from "../client";
-import { QueryView } from "../platform/QueryView";
+import { Loading, QueryView } from "../platform/QueryView";
+import { useInSight } from "../platform/sight";
 import type { Figure, RangeChange, Ranges } from "./figure";
 import { NotYet } from "./NotYet";
 import { Plot } from "./Plot";
@@ -17,10 +20,19 @@ type FigureViewProps = {
 
 /** One figure of a run: loading, not there yet, failed, or drawn. */
 export function FigureView({ run, name, ...plot }: FigureViewProps) {
-  const query = useQuery(figureQuery(run, name));
+  const place = useRef<HTMLDivElement>(null);
+  const isSeen = useInSight(place);
+  const query = useQuery({ ...figureQuery(run, name), enabled: isSeen });
   return (
-    <QueryView query={query}>
-      {(figure) => (figure ? <Plot figure={figure as unknown as Figure} {...plot} /> : <NotYet run={run} />)}
-    </QueryView>
+    <div ref={place}>
+      <QueryView
+        query={query}
+        loading={isSeen ? <Loading rows={1} height={plot.height} /> : <Box h={plot.height} />}
+      >
+        {(figure) =>
+          figure ? <Plot figure={figure as unknown as Figure} {...plot} /> : <NotYet run={run} />
+        }
+      </QueryView>
+    </div>
   );
 }

@@ -70,11 +70,12 @@ function FlowField({ run, experiment }: { run: Run; experiment: Experiment }) {
   const quantity = quantityOf(search.map);
   const isOffered = quantity !== undefined && (isMean ? OF_A_RANGE : OF_A_STEP).includes(quantity);
   const shown = isOffered ? quantity : undefined;
+  const isThere = !query.isPending && !query.isPlaceholderData;
   useEffect(() => {
-    if (isMean) return;
+    if (isMean || !isThere) return;
     for (const near of neighbours(frame, n_steps))
       void cache.prefetchQuery(flowMapQuery(run, { frame: near }));
-  }, [isMean, frame, n_steps, run, cache]);
+  }, [isMean, isThere, frame, n_steps, run, cache]);
   const { paint, scale, field } = useMemo(() => flowPainter(map, shown), [map, shown]);
   const sceneryOf = useCallback(
     async (which: number) => ({

@@ -4,6 +4,7 @@ import { useEffect, useRef, useState } from "react";
 import { ProblemAlert } from "../platform/ProblemAlert";
 import { toProblem } from "../platform/problem";
 import { Loading } from "../platform/QueryView";
+import { useInSight } from "../platform/sight";
 import { type Drawing, drawingIn } from "./drawing";
 import {
   captionOf,
@@ -15,6 +16,7 @@ import {
   type Ranges,
   rangesFromRelayout,
 } from "./figure";
+import { soon } from "./soon";
 
 type PlotlyModule = typeof import("./plotly").default;
 
@@ -40,36 +42,33 @@ export function Plot({ figure, label, height = 420, ranges, onRanges, ...more }:
   const { plotly, error } = usePlotly();
   const told = useRef({ onRanges, onMoment });
   const drawing = useRef<Drawing | null>(null);
+  const isSeen = useInSight(target);
   useEffect(() => {
     told.current = { onRanges, onMoment };
   }, [onRanges, onMoment]);
 
   useEffect(() => {
-    if (!plotly || !target.current || width === 0) return;
-    drawing.current ??= drawingIn(target.current, plotly);
-    drawing.current.show(figure, { isDark, height, width, ranges, aligned_s, marks }, configFor(label));
-  }, [plotly, figure, isDark, height, width, ranges, aligned_s, marks, label]);
-
-  useEffect(() => {
-    const element = target.current as PlotlyElement | null;
-    if (!plotly || !element || width === 0) return;
-    const hearZoom = (event: Record<string, unknown>) => {
+    const element = target.current;
+    if (!plotly || !element || width === 0 || !isSeen) return;
+    return soon(() => {
+      const isFirst = drawing.current === null;
+      drawing.current ??= drawingIn(element, plotly);
       const shown = drawing.current;
-      if (!shown?.isByHand()) return;
-      shown.zoomed(event);
-      told.current.onRanges?.(rangesFromRelayout(event, shown.layout()));
-    };
-    const hearClick = ({ points }: Record<string, unknown>) => {
-      const time_s = momentAt(points as Record<string, unknown>[], drawing.current?.layout() ?? {});
-      if (time_s !== null) told.current.onMoment?.(time_s);
-    };
-    element.on?.("plotly_relayout", hearZoom);
-    element.on?.("plotly_click", hearClick);
-    return () => {
-      element.removeListener?.("plotly_relayout", hearZoom);
-      element.removeListener?.("plotly_click", hearClick);
-    };
-  }, [plotly, width]);
+      shown.show(figure, { isDark, height, width, ranges, aligned_s, marks }, configFor(label));
+      if (!isFirst) return;
+      listen(element, {
+        plotly_relayout: (event) => {
+          if (!shown.isByHand()) return;
+          shown.zoomed(event);
+          told.current.onRanges?.(rangesFromRelayout(event, shown.layout()));
+        },
+        plotly_click: ({ points }) => {
+          const time_s = momentAt(points as Record<string, unknown>[], shown.layout());
+          if (time_s !== null) told.current.onMoment?.(time_s);
+        },
+      });
+    });
+  }, [plotly, figure, isDark, height, width, ranges, aligned_s, marks, label, isSeen]);
 
   useEffect(() => {
     const element = target.current;
@@ -96,10 +95,13 @@ export function Plot({ figure, label, height = 420, ranges, onRanges, ...more }:
   );
 }
 
-type PlotlyElement = HTMLDivElement & {
-  on?: (event: string, handler: (event: Record<string, unknown>) => void) => void;
-  removeListener?: (event: string, handler: (event: Record<string, unknown>) => void) => void;
-};
+type Handler = (event: Record<string, unknown>) => void;
+
+/** Plotly gives an element its `on` with the first drawing, and takes all listeners with `purge`. */
+function listen(element: HTMLElement, handlers: Record<string, Handler>): void {
+  const { on } = element as HTMLElement & { on?: (event: string, handler: Handler) => void };
+  for (const [event, handler] of Object.entries(handlers)) on?.call(element, event, handler);
+}
 
 function configFor(label: string): object {
   const filename = label.toLowerCase().replace(/[^a-z0-9]+/g, "-");

@@ -1,4 +1,4 @@
-import { Alert, Button, Group, List, SimpleGrid, Stack, Table, Text } from "@mantine/core";
+import { Alert, Button, List, SimpleGrid, Stack, Table, Text } from "@mantine/core";
 import { keepPreviousData, useQuery } from "@tanstack/react-query";
 import { useMemo } from "react";
 import type { Quality, Run } from "../client";
@@ -6,28 +6,40 @@ import { isMapping } from "../forms/document";
 import { formatCount, formatNumber } from "../platform/format";
 import { Panel } from "../platform/Panel";
 import { Loading, QueryView } from "../platform/QueryView";
-import type { Range } from "./figure";
+import type { Range, Ranges } from "./figure";
 import { NotYet } from "./NotYet";
 import { Plot } from "./Plot";
 import { type QualityPlot, qualityFigure } from "./qualityFigure";
 import { qualityQuery } from "./queries";
-import { useSharedRanges, useView } from "./view";
+import { useSharedRanges } from "./view";
 
 /** How well a run did: what was found, what was guessed, what was thrown away, and how sure it is. */
 export function QualityTab({ run }: { run: Run }) {
-  const { ranges, zoom } = useSharedRanges();
-  const { change } = useView();
-  const query = useQuery({ ...qualityQuery(run, ranges.time_s), placeholderData: keepPreviousData });
+  const { ranges, zoom, clear } = useSharedRanges();
+  const query = useQuery({ ...qualityQuery(run, ranges), placeholderData: keepPreviousData });
+  const { radius_um } = ranges;
   return (
     <Stack gap="md">
       <Warnings run={run} />
       <QueryView query={query} loading={<Loading rows={1} height={420} />}>
         {(quality) =>
           quality ? (
-            <Panel title="Over time" about="Draw over a part of the time axis to look at it everywhere.">
-              {ranges.radius_um && (
-                <OfAllRadii radius_um={ranges.radius_um} onSizes={() => change({ tab: "sizes" })} />
-              )}
+            <Panel
+              title="Over time"
+              about={
+                radius_um && quality.is_of_radii
+                  ? `Of droplets from ${formatNumber(radius_um[0])} to ${formatNumber(radius_um[1])} µm.`
+                  : "Draw over a part of the time axis to look at it everywhere."
+              }
+              actions={
+                (ranges.time_s || radius_um) && (
+                  <Button size="compact-sm" variant="default" onClick={clear}>
+                    Show everything
+                  </Button>
+                )
+              }
+            >
+              {radius_um && !quality.is_of_radii && <OfAllRadii radius_um={radius_um} />}
               <SimpleGrid cols={{ base: 1, md: 2 }} spacing="md">
                 {PLOTS.map((plot) => (
                   <QualityView
@@ -45,7 +57,7 @@ export function QualityTab({ run }: { run: Run }) {
           )
         }
       </QueryView>
-      <Rejected run={run} isRangeSet={ranges.time_s !== undefined || ranges.radius_um !== undefined} />
+      <Rejected run={run} ranges={ranges} found={query.data?.trajectories ?? null} />
     </Stack>
   );
 }
@@ -121,42 +133,40 @@ function Warnings({ run }: { run: Run }) {
   );
 }
 
+const OF_RANGE = " Those whose middle in time and mean radius lie in what you look at.";
+
 const REASONS: Record<string, string> = {
   short: "Seen in too few frames to be sure that it is a droplet.",
   stationary: "Did not move with the flow, as dirt on the chip does not.",
   doubtful: "Chance alone makes such a trajectory too easily.",
 };
 
-type OfAllRadiiProps = { radius_um: Range; onSizes: () => void };
-
-/** These are counted frame by frame without radii: a range of radius that is looked at elsewhere does not narrow them. */
-export function OfAllRadii({ radius_um: [low, high], onSizes }: OfAllRadiiProps) {
+/** A run of an earlier version: what it counted, it counted over all radii. */
+export function OfAllRadii({ radius_um: [low, high] }: { radius_um: Range }) {
   return (
     <Alert color="blue" role="status" mb="md" title="Of droplets of all radii">
-      <Group gap="sm">
-        <Text fz="sm">
-          The four plots below follow the range of time, but not the range of radius that you look at,{" "}
-          {formatNumber(low)} to {formatNumber(high)} µm: quality is counted for all droplets of a frame.
-          Sizes shows how many there are in that range.
-        </Text>
-        <Button size="compact-sm" variant="default" onClick={onSizes}>
-          Show sizes
-        </Button>
-      </Group>
+      You look at {formatNumber(low)} to {formatNumber(high)} µm, but this run was made by a version that
+      counted quality over all radii. A new run of the experiment counts it by radius; what is done is used
+      again where it is the same.
     </Alert>
   );
 }
 
-function Rejected({ run, isRangeSet }: { run: Run; isRangeSet: boolean }) {
-  const counts = run.summary?.n_rejected_trajectories;
-  if (!isMapping(counts)) return null;
-  const kept = Number(run.summary?.n_trajectories ?? 0);
+type RejectedProps = { run: Run; ranges: Ranges; found: Record<string, number> | null };
+
+function Rejected({ run, ranges, found }: RejectedProps) {
+  const summary = run.summary?.n_rejected_trajectories;
+  const isRangeSet = ranges.time_s !== undefined || ranges.radius_um !== undefined;
+  if (!isMapping(summary)) return null;
+  const { kept: foundKept, ...foundRejected } = found ?? {};
+  const kept = foundKept ?? Number(run.summary?.n_trajectories ?? 0);
+  const counts = found ? foundRejected : summary;
   const reasons = Object.entries(counts).map(([reason, n]) => [reason, Number(n)] as const);
   const total = kept + reasons.reduce((sum, [, n]) => sum + n, 0);
   return (
     <Panel
       title="Trajectories that were taken out"
-      about={`The consistency check keeps what behaves like a droplet.${isRangeSet ? " Of the whole film and all radii." : ""}`}
+      about={`The consistency check keeps what behaves like a droplet.${isRangeSet ? (found ? OF_RANGE : " Of the whole film and all radii.") : ""}`}
     >
       <Table fz="sm" aria-label="Trajectories that were taken out">
         <Table.Thead>

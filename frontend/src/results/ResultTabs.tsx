@@ -1,22 +1,23 @@
 import { Tabs } from "@mantine/core";
 import { getRouteApi } from "@tanstack/react-router";
-import { lazy, Suspense } from "react";
+import { useEffect } from "react";
 import type { Experiment, Run } from "../client";
+import { later, whenIdle } from "../platform/later";
 import { Loading } from "../platform/QueryView";
 import { TABS, type Tab } from "./view";
 
-// What most look at first, and what draws it, come while the run itself is still being asked for.
-const loadSizes = () => import("./SizesTab");
-void Promise.allSettled([loadSizes(), import("./plotly")]);
+const SizesTab = later(async () => (await import("./SizesTab")).SizesTab);
+const TimeTab = later(async () => (await import("./TimeTab")).TimeTab);
+const FramesTab = later(async () => (await import("./FramesTab")).FramesTab);
+const FlowTab = later(async () => (await import("./FlowTab")).FlowTab);
+const FiguresTab = later(async () => (await import("./FiguresTab")).FiguresTab);
+const QualityTab = later(async () => (await import("./QualityTab")).QualityTab);
+const SummaryTab = later(async () => (await import("./SummaryTab")).SummaryTab);
+const FilesTab = later(async () => (await import("./FilesTab")).FilesTab);
+const OTHERS = [TimeTab, FramesTab, FlowTab, FiguresTab, QualityTab, SummaryTab, FilesTab];
 
-const SizesTab = lazy(async () => ({ default: (await loadSizes()).SizesTab }));
-const TimeTab = lazy(async () => ({ default: (await import("./TimeTab")).TimeTab }));
-const FramesTab = lazy(async () => ({ default: (await import("./FramesTab")).FramesTab }));
-const FlowTab = lazy(async () => ({ default: (await import("./FlowTab")).FlowTab }));
-const FiguresTab = lazy(async () => ({ default: (await import("./FiguresTab")).FiguresTab }));
-const QualityTab = lazy(async () => ({ default: (await import("./QualityTab")).QualityTab }));
-const SummaryTab = lazy(async () => ({ default: (await import("./SummaryTab")).SummaryTab }));
-const FilesTab = lazy(async () => ({ default: (await import("./FilesTab")).FilesTab }));
+// What most look at first, and what draws it, come while the run itself is still being asked for.
+void Promise.allSettled([SizesTab.preload(), import("./plotly")]);
 
 const route = getRouteApi("/runs/$runId");
 
@@ -37,6 +38,8 @@ export function ResultTabs({ run, experiment }: { run: Run; experiment: Experime
   const navigate = route.useNavigate();
   const choose = (next: string | null) =>
     navigate({ search: (old) => ({ ...old, tab: next as Tab }), resetScroll: false });
+  // The others are a few kilobytes each: there before somebody asks for them. What fails is tried again then.
+  useEffect(() => whenIdle(() => void Promise.allSettled(OTHERS.map(({ preload }) => preload()))), []);
   return (
     <Tabs value={tab} onChange={choose} keepMounted={false}>
       <Tabs.List mb="md">
@@ -46,32 +49,30 @@ export function ResultTabs({ run, experiment }: { run: Run; experiment: Experime
           </Tabs.Tab>
         ))}
       </Tabs.List>
-      <Suspense fallback={<Loading rows={1} height={420} />}>
-        <Tabs.Panel value="sizes">
-          <SizesTab run={run} />
-        </Tabs.Panel>
-        <Tabs.Panel value="frames">
-          {experiment ? <FramesTab run={run} experiment={experiment} /> : <Loading rows={1} height={420} />}
-        </Tabs.Panel>
-        <Tabs.Panel value="time">
-          <TimeTab run={run} />
-        </Tabs.Panel>
-        <Tabs.Panel value="flow">
-          {experiment ? <FlowTab run={run} experiment={experiment} /> : <Loading rows={1} height={420} />}
-        </Tabs.Panel>
-        <Tabs.Panel value="figures">
-          {experiment ? <FiguresTab run={run} experiment={experiment} /> : <Loading rows={1} height={420} />}
-        </Tabs.Panel>
-        <Tabs.Panel value="quality">
-          <QualityTab run={run} />
-        </Tabs.Panel>
-        <Tabs.Panel value="summary">
-          <SummaryTab run={run} />
-        </Tabs.Panel>
-        <Tabs.Panel value="files">
-          <FilesTab run={run} />
-        </Tabs.Panel>
-      </Suspense>
+      <Tabs.Panel value="sizes">
+        <SizesTab run={run} />
+      </Tabs.Panel>
+      <Tabs.Panel value="frames">
+        {experiment ? <FramesTab run={run} experiment={experiment} /> : <Loading rows={1} height={420} />}
+      </Tabs.Panel>
+      <Tabs.Panel value="time">
+        <TimeTab run={run} />
+      </Tabs.Panel>
+      <Tabs.Panel value="flow">
+        {experiment ? <FlowTab run={run} experiment={experiment} /> : <Loading rows={1} height={420} />}
+      </Tabs.Panel>
+      <Tabs.Panel value="figures">
+        {experiment ? <FiguresTab run={run} experiment={experiment} /> : <Loading rows={1} height={420} />}
+      </Tabs.Panel>
+      <Tabs.Panel value="quality">
+        <QualityTab run={run} />
+      </Tabs.Panel>
+      <Tabs.Panel value="summary">
+        <SummaryTab run={run} />
+      </Tabs.Panel>
+      <Tabs.Panel value="files">
+        <FilesTab run={run} />
+      </Tabs.Panel>
     </Tabs>
   );
 }

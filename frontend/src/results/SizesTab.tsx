@@ -38,7 +38,7 @@ export function SizesTab({ run }: { run: Run }) {
     ranges,
     onRanges: zoom,
     marks: shownMarks,
-    onMoment: (time_s: number) => change({ at: Number(time_s.toPrecision(5)) }),
+    onMoment: (time_s: number) => change({ at: Number(time_s.toPrecision(8)) }),
   };
   return (
     <Stack gap="md">
@@ -113,5 +113,5 @@ export function SizesTab({ run }: { run: Run }) {
 /** A moment is a fiftieth of what is shown wide: enough droplets for a curve, little enough to be one moment. */
 function aroundMoment(at_s: number, shown_s: Range | undefined): Range {
   const half_s = shown_s ? (shown_s[1] - shown_s[0]) / 100 : 1;
-  return [Number((at_s - half_s).toPrecision(6)), Number((at_s + half_s).toPrecision(6))];
+  return [Number((at_s - half_s).toPrecision(9)), Number((at_s + half_s).toPrecision(9))];
 }

@@ -1,5 +1,6 @@
 /** A figure in its element: drawn anew where it changed, moved where only its ranges did, left alone where it shows them. */
 import { type Figure, fitted, isAxis, type Layout, type Look, sharedAxis } from "./figure";
+import { inPixels } from "./pixels";
 
 type Json = Record<string, unknown>;
 /** What of Plotly is used here. */
@@ -34,7 +35,7 @@ export function drawingIn(element: HTMLElement, plotly: Drawer): Drawing {
   };
   return {
     show(figure, look, config) {
-      const next = fitted(figure, look);
+      const next = fitted(inPixels(figure), look);
       const { ranges: _, ...still } = look;
       const parts = [figure, ...Object.entries(still).flat()];
       const isSame = parts.length === drawn.length && parts.every((part, index) => part === drawn[index]);

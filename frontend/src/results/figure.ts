@@ -1,6 +1,6 @@
 /** The figures of the API, made to fit the page: its colours, its size, its ranges. All pure. */
 
-type Json = Record<string, unknown>;
+export type Json = Record<string, unknown>;
 export type Trace = Json & {
   type?: string;
   zmin?: number;
@@ -45,9 +45,14 @@ export function fitted({ data, layout }: Figure, look: Look): Figure {
     paper_bgcolor: "rgba(0,0,0,0)",
     plot_bgcolor: "rgba(0,0,0,0)",
     font: { family: "Inter Variable, sans-serif", size: 12, color: ink },
-    margin: look.aligned_s
-      ? { l: 78, r: MARGIN_PX, t: 30, b: 48 }
-      : { l: 62, r: isNarrow && !hasColourBar(data) ? 16 : marginRight(data, layout), t: 16, b: 48 },
+    // As said, whatever stands on the axes: Plotly would draw everything again for each thing that is wider.
+    margin: {
+      l: LEFT_PX,
+      r: look.aligned_s || (isNarrow && !hasColourBar(data)) ? MARGIN_PX : marginRight(data, layout),
+      t: look.aligned_s ? 30 : MARGIN_PX,
+      b: 48,
+      autoexpand: false,
+    },
     shapes: [...((layout.shapes as Json[] | undefined) ?? []), ...marksOf(layout, look)],
     legend: {
       ...(layout.legend as Json),
@@ -90,20 +95,40 @@ function fittedAxis(axis: Json, look: Look): Json {
   const wanted =
     shared && (look.ranges?.[shared.kind] ?? (shared.kind === "time_s" ? look.aligned_s : undefined));
   const range = wanted && shared && wanted.map((value) => value / shared.factor);
-  const ranged = range
-    ? { range: axis.type === "log" ? range.map(Math.log10) : range, autorange: false }
-    : {};
-  return { ...axis, linecolor: colour, tickcolor: colour, automargin: !look.aligned_s, ...ranged };
+  const ranged = range ? { range: isLog(axis) ? range.map(Math.log10) : range, autorange: false } : {};
+  return { ...axis, linecolor: colour, tickcolor: colour, automargin: false, ...ranged };
+}
+
+/** Whether the ends of an axis are exponents: those of Plotly's own kind, and those that show log r on a linear one. */
+function isLog(axis: Json): boolean {
+  return axis.type === "log" || axis.isLogarithm === true;
 }
 
 /** Numbers as Plotly's JSON has them: a list, or base64 with the type of its items. */
-function numbers(values: unknown): number[] {
-  if (Array.isArray(values)) return values.map(Number);
+export function numbers(values: unknown): number[] {
+  return Array.isArray(values) ? values.map(Number) : Array.from(unpacked(values));
+}
+
+function unpacked(values: unknown): ArrayLike<number> {
   const packed = values as { dtype?: string; bdata?: string } | undefined;
   const Items = packed?.dtype ? ITEMS[packed.dtype] : undefined;
   if (!packed?.bdata || !Items) return [];
-  const bytes = Uint8Array.from(atob(packed.bdata), (character) => character.charCodeAt(0));
-  return Array.from(new Items(bytes.buffer));
+  const text = atob(packed.bdata);
+  const bytes = new Uint8Array(text.length);
+  for (let index = 0; index < text.length; index += 1) bytes[index] = text.charCodeAt(index);
+  return new Items(bytes.buffer);
+}
+
+/** The same for rows of numbers; what is no number is NaN. */
+export function rows(values: unknown): ArrayLike<number>[] {
+  if (Array.isArray(values))
+    return values.map((row: unknown[]) => row.map((value) => (value === null ? Number.NaN : Number(value))));
+  const n_columns = Number(String((values as Json | undefined)?.shape ?? "").split(",")[1]);
+  const all = unpacked(values);
+  const n_rows = n_columns > 0 ? Math.floor(all.length / n_columns) : 0;
+  return Array.from({ length: n_rows }, (_, row) =>
+    Array.prototype.slice.call(all, row * n_columns, (row + 1) * n_columns),
+  );
 }
 
 const ITEMS: Record<string, new (buffer: ArrayBuffer) => ArrayLike<number>> = {
@@ -188,6 +213,8 @@ function inked(note: Json, ink: string): Json {
 }
 
 export const MARGIN_PX = 16;
+/** Room for the numbers and the title of an axis. */
+const LEFT_PX = 78;
 /** Beside the axes, for a colour bar with its title. */
 export const COLOUR_BAR_PX = 92;
 
@@ -251,7 +278,7 @@ export function rangesFromRelayout(event: Json, layout: Layout): RangeChange {
       event[`${name}.range[1]`],
     ];
     if (ends.every((end) => typeof end === "number")) {
-      const range = (ends as number[]).map((end) => (axis.type === "log" ? 10 ** end : end) * shared.factor);
+      const range = (ends as number[]).map((end) => (isLog(axis) ? 10 ** end : end) * shared.factor);
       changed[shared.kind] = range as Range;
     } else if (event[`${name}.autorange`] === true) changed[shared.kind] = null;
   }

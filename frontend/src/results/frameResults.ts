@@ -26,14 +26,18 @@ export function useFrameResults(run: Run, frame: number, n_frames: number, layer
     enabled: hasTails,
     placeholderData: keepPreviousData,
   });
+  // The neighbours wait for what is looked at: the service answers one after the other.
+  const isWhole = [droplets, flow, ...(hasTails ? [tails] : [])].every(
+    ({ isPending, isPlaceholderData }) => !isPending && !isPlaceholderData,
+  );
   useEffect(() => {
-    if (!isTracked) return;
+    if (!isTracked || !isWhole) return;
     for (const near of neighbours(frame, n_frames)) {
       void cache.prefetchQuery(dropletsQuery(run, near, "tracked"));
       void cache.prefetchQuery(flowQuery(run, near));
       if (hasTails) void cache.prefetchQuery(tailsQuery(run, near, N_TAIL_FRAMES));
     }
-  }, [run, frame, n_frames, isTracked, hasTails, cache]);
+  }, [run, frame, n_frames, isTracked, hasTails, isWhole, cache]);
   const field = useMemo(() => (flow.data ? arrowsOf(flow.data) : null), [flow.data]);
   return {
     droplets: droplets.data ?? null,

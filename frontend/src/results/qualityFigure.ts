@@ -1,7 +1,7 @@
 import type { Quality } from "../client";
 import type { Figure } from "./figure";
 
-type Field = Exclude<keyof Quality, "first_frame" | "time_s">;
+type Field = Exclude<keyof Quality, "first_frame" | "time_s" | "is_of_radii" | "trajectories">;
 type Line = { name: string; field: Field; colour: string };
 
 export type QualityPlot = {

@@ -18,7 +18,7 @@ import { isLate } from "../previews/queries";
 import { isActive } from "../runs/states";
 import type { Asked } from "./asked";
 import { type Availability, availability, stagesOf } from "./availability";
-import type { Range } from "./figure";
+import type { Ranges } from "./figure";
 
 /** What grows is asked for anew at this pace. */
 const REFRESH_MS = 4_000;
@@ -128,9 +128,12 @@ export function flowMapQuery(run: Run, when: { frame?: number; from_s?: number; 
   });
 }
 
-export function qualityQuery(run: Run, time_s?: Range) {
+export function qualityQuery(run: Run, { time_s, radius_um }: Ranges) {
   const available = availability(run, "track");
-  const query = { from_s: time_s?.[0], to_s: time_s?.[1] };
+  const query = {
+    ...{ from_s: time_s?.[0], to_s: time_s?.[1] },
+    ...{ radius_min_um: radius_um?.[0], radius_max_um: radius_um?.[1] },
+  };
   return queryOptions({
     queryKey: ["runs", run.id, "quality", query, available],
     queryFn: ({ signal }) =>

@@ -1,23 +1,19 @@
 import { MantineProvider } from "@mantine/core";
 import { render, screen } from "@testing-library/react";
-import userEvent from "@testing-library/user-event";
-import { expect, it, vi } from "vitest";
+import { expect, it } from "vitest";
 import type { Run } from "../client";
 import { NotYet } from "./NotYet";
 import { OfAllRadii } from "./QualityTab";
 
-it("a range of radius is said not to narrow the quality, with the way to where it does", async () => {
-  const onSizes = vi.fn();
+it("a run that was counted over all radii says so, and what to do", () => {
   render(
     <MantineProvider>
-      <OfAllRadii radius_um={[5, 12.5]} onSizes={onSizes} />
+      <OfAllRadii radius_um={[5, 12.5]} />
     </MantineProvider>,
   );
-  expect(screen.getByRole("status").textContent).toContain(
-    "not the range of radius that you look at, 5 to 12.5 µm",
-  );
-  await userEvent.click(screen.getByRole("button", { name: "Show sizes" }));
-  expect(onSizes).toHaveBeenCalledOnce();
+  const words = screen.getByRole("status").textContent;
+  expect(words).toContain("You look at 5 to 12.5 µm");
+  expect(words).toContain("A new run of the experiment counts it by radius");
 });
 
 it.each([

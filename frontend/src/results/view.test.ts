@@ -30,10 +30,23 @@ it("what an address says wrongly is passed over", () => {
 });
 
 it("a range survives its way through the address", () => {
-  expect(rangeFromText(rangeToText([0.123456, 1234567]))).toEqual([0.12346, 1234600]);
+  expect(rangeToText([5, 19.87654321])).toBe("5..19.877");
+  expect(rangeToText([0.123456, 1234567])).toBe("0..1234600");
   expect([rangeFromText("3..3"), rangeFromText("1..2..3"), rangeFromText(undefined)]).toEqual([
     undefined,
     undefined,
     undefined,
   ]);
+});
+
+it.each([
+  [40012.345678, 40013.2],
+  [-3.2e-5, 7.7e-5],
+  [0.1 + 0.2, 0.6],
+  [1.5e9, 1.50000001e9],
+])("what was inside from %d to %d is inside again, and hardly more", (low, high) => {
+  const [first, last] = rangeFromText(rangeToText([low, high])) as [number, number];
+  expect(first - low).toBeLessThanOrEqual(1e-9 * (high - low));
+  expect(high - last).toBeLessThanOrEqual(1e-9 * (high - low));
+  expect(Math.max(low - first, last - high)).toBeLessThanOrEqual(1e-4 * (high - low));
 });

@@ -2024,7 +2024,7 @@ export const qualityGetQueryKey = (options: Options<QualityGetData>) => createQu
 /**
  * Quality Get
  *
- * Get how well a run did over time.
+ * Get how well a run did over time, of a part of the film or of all of it.
  */
 export const qualityGetOptions = (options: Options<QualityGetData>) => queryOptions<QualityGetResponse, QualityGetError, QualityGetResponse, ReturnType<typeof qualityGetQueryKey>>({
     queryFn: async ({ queryKey, signal }) => {
