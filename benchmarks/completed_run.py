@@ -16,7 +16,7 @@ from dropflow.results import Results
 from dropflow.statistics.histograms import radius_edges_um
 from dropflow.statistics.quality import film_quality
 
-STAGES = ("ingest", "prepare", "detect", "track", "analyse")
+STAGES = ("detect", "track", "analyse")
 
 
 def keep_run(session: Session, results: Results) -> Run:

@@ -14,7 +14,7 @@ from dropflow.errors import DropflowError
 from dropflow.parameters import parse_parameters
 from dropflow.suggest import suggest
 from worker.context import Context
-from worker.preview_droplets import found_in
+from worker.preview_droplets import found_in, picture
 from worker.preview_films import films
 from worker.preview_links import followed
 
@@ -58,6 +58,8 @@ def _found(context: Context, request: PreviewRequest) -> dict[str, Any]:
     match request.kind:
         case "droplets":
             return found_in(film, request, parameters)
+        case "prepared":
+            return {"jpeg": picture(film.prepared(parameters, request.frame))}
         case "links":
             return followed(film, request.frame, parameters)
         case "suggestions":

@@ -37,7 +37,7 @@ def found_in(film: Film, request: PreviewRequest, parameters: Parameters) -> dic
             "reason": list(detection.rejected.reasons[:MOST_REJECTED]),
         },
         "took_s": took_s,
-        "prepared_jpeg": _picture(_cut(image, part)) if request.is_picture_wanted else None,
+        "prepared_jpeg": picture(_cut(image, part)) if request.is_picture_wanted else None,
     }
 
 
@@ -88,7 +88,8 @@ def _cut(image: Image, part: Region | None) -> Image:
     return image[part.y_px : part.y_px + part.height_px, part.x_px : part.x_px + part.width_px]
 
 
-def _picture(image: Image) -> str:
+def picture(image: Image) -> str:
+    """A prepared frame, or a part of one, as a JPEG in base64."""
     step = max(1, max(image.shape) // 600)
     dark, bright = np.percentile(image[::step, ::step], (_DARK_PERCENT, _BRIGHT_PERCENT))
     grey = np.clip((image - dark) * (255 / max(bright - dark, 1e-9)), 0, 255).astype(np.uint8)

@@ -26,7 +26,7 @@ class Region(BaseModel):
 class PreviewRequest(BaseModel):
     """One look at what an analysis would do."""
 
-    kind: Literal["droplets", "links", "suggestions"]
+    kind: Literal["droplets", "prepared", "links", "suggestions"]
     experiment_id: UUID
     answer_key: str
     """Where in the object store the answer is waited for."""

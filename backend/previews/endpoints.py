@@ -3,7 +3,7 @@
 from typing import Annotated
 from uuid import UUID
 
-from fastapi import APIRouter, Query
+from fastapi import APIRouter, Query, Response
 
 from backend.experiments.errors import NoSuchExperiment
 from backend.platform.dependencies import EditorDependency, PlatformDependency, ViewerDependency
@@ -56,3 +56,20 @@ def detections_get(
 ) -> Preview:
     """Look once more at a frame as the run did: what was found, and what was not taken for a droplet and why."""
     return service.of_run(platform, viewer, run_id, frame, is_picture_wanted=is_picture_wanted)
+
+
+@of_runs.get(
+    "/frames/{frame}/prepared.jpg",
+    response_class=Response,
+    responses={
+        200: {"content": {"image/jpeg": {}}, "description": "The frame, all of its pixels."},
+        **responses(NoSuchRun, StackNotReady, PreviewFailed, PreviewLate, TooOften, InvalidRequest),
+    },
+)
+def prepared_frames_get(
+    platform: PlatformDependency, viewer: ViewerDependency, run_id: UUID, frame: FrameNumber
+) -> Response:
+    """Get a frame as the detection of a run saw it: its background even, its stripes and noise taken away."""
+    # Frames and parameters of a run never change.
+    headers = {"Cache-Control": "private, max-age=31536000, immutable"}
+    return Response(service.prepared(platform, viewer, run_id, frame), media_type="image/jpeg", headers=headers)

@@ -1,5 +1,6 @@
 """Asking a worker, and waiting for its answer."""
 
+import base64
 import json
 import time
 from typing import Any, Literal
@@ -18,9 +19,10 @@ from backend.stacks.errors import StackNotReady
 from backend.stacks.service import with_frame
 from dropflow.parameters import parse_parameters
 
-PATIENCE_S = {"droplets": 20.0, "links": 45.0, "suggestions": 45.0}
-LOOKS_PER_MINUTE = 120
-"""Of one person, or of the visitors by one link: they must not take the workers from everybody else."""
+PATIENCE_S = {"droplets": 20.0, "prepared": 20.0, "links": 45.0, "suggestions": 45.0}
+LOOKS_PER_MINUTE, PREPARED_PER_MINUTE = 120, 900
+"""Of one person, or of the visitors by one link: they must not take the workers from everybody else. To prepare a frame
+costs a fraction of finding droplets in it, and who steps through a film has the next ones fetched ahead."""
 _FIRST_LOOK_S, _LONGEST_PAUSE_S = 0.02, 0.2
 
 
@@ -39,6 +41,15 @@ def of_run(platform: Platform, viewer: Viewer, run_id: UUID, frame: int, *, is_p
     return Preview.model_validate(_ask(platform, viewer, experiment_id, "droplets", about | {"document": document}))
 
 
+def prepared(platform: Platform, viewer: Viewer, run_id: UUID, frame: int) -> bytes:
+    """A frame as the detection of a run saw it, as a JPEG."""
+    with platform.sessions.begin() as session:
+        run = get_run(session, viewer, run_id)
+        experiment_id, document, parameters = run.experiment_id, run.document, run.parameters
+    about = {"frame": frame, "parameters": parameters, "document": document}
+    return base64.b64decode(_ask(platform, viewer, experiment_id, "prepared", about)["jpeg"])
+
+
 def links(platform: Platform, viewer: Viewer, experiment_id: UUID, wish: LinkWish) -> LinkPreview:
     """How the droplets of a frame are followed into the next."""
     return LinkPreview.model_validate(_ask(platform, viewer, experiment_id, "links", wish.model_dump()))
@@ -53,11 +64,15 @@ def _ask(
     platform: Platform,
     viewer: Viewer,
     experiment_id: UUID,
-    kind: Literal["droplets", "links", "suggestions"],
+    kind: Literal["droplets", "prepared", "links", "suggestions"],
     about: dict[str, Any],
 ) -> Any:
     """Send a request and wait; no transaction is open meanwhile."""
-    platform.rates.count("looks at frames", str(viewer.person_id or viewer.share_id), LOOKS_PER_MINUTE)
+    who = str(viewer.person_id or viewer.share_id)
+    if kind == "prepared":
+        platform.rates.count("prepared frames", who, PREPARED_PER_MINUTE)
+    else:
+        platform.rates.count("looks at frames", who, LOOKS_PER_MINUTE)
     with platform.sessions.begin() as session:
         experiment = with_frame(session, viewer, experiment_id, about.get("frame", 0))
         if experiment.stack.index_key is None:  # nothing that a worker could look at

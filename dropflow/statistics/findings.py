@@ -75,8 +75,8 @@ class Findings:
 
     @property
     def shown_sizes(self) -> FrameHistograms:
-        """Droplets of trajectories, or all detections while nothing was tracked."""
-        return self.after if len(self.after) else self.before
+        """Droplets of trajectories, or all detections while nothing was tracked, and of a frame that stands alone."""
+        return self.after if len(self.after) and self.facts.n_frames > 1 else self.before
 
     @cached_property
     def trajectories(self) -> pl.DataFrame:

@@ -138,6 +138,7 @@ NEEDS = {
     "tails_get": Needs.VIEW,
     "trajectories_get": Needs.VIEW,
     "detections_get": Needs.VIEW,
+    "prepared_frames_get": Needs.VIEW,
     "flow_maps_get": Needs.VIEW,
     "quality_get": Needs.VIEW,
     "report_get": Needs.VIEW,

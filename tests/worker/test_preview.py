@@ -1,9 +1,11 @@
 """Previews: what a run with the same parameters would find, quickly, and a problem instead of silence."""
 
+import base64
 import json
 import time
 from typing import Any
 
+import cv2
 import numpy as np
 import pytest
 
@@ -90,3 +92,12 @@ def test_a_frame_of_a_run_is_looked_at_as_the_run_was_told(shared_house: House, 
     as_it_is = _ask(shared_house, experiment, frame=1)["found"]
     as_told = _ask(shared_house, experiment, frame=1, document=told)["found"]
     assert len(as_told["x_px"]) < len(as_it_is["x_px"])  # the smallest radius is twice as many pixels
+
+
+def test_a_frame_is_prepared_as_detection_sees_it(shared_house: House, experiment: Json) -> None:
+    found = _ask(shared_house, experiment, kind="prepared", frame=1)["found"]
+    picture = cv2.imdecode(np.frombuffer(base64.b64decode(found["jpeg"]), np.uint8), cv2.IMREAD_GRAYSCALE)
+    assert picture is not None
+    assert picture.shape == (experiment["stack"]["rows"], experiment["stack"]["columns"])
+    looked_at = _ask(shared_house, experiment, frame=1, is_picture_wanted=True)["found"]
+    assert looked_at["prepared_jpeg"] == found["jpeg"]

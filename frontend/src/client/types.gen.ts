@@ -9292,6 +9292,70 @@ export type FlowGetResponses = {
 
 export type FlowGetResponse = FlowGetResponses[keyof FlowGetResponses];
 
+export type PreparedFramesGetData = {
+    body?: never;
+    path: {
+        /**
+         * Run Id
+         */
+        run_id: string;
+        /**
+         * Frame
+         */
+        frame: number;
+    };
+    query?: never;
+    url: '/api/v1/runs/{run_id}/frames/{frame}/prepared.jpg';
+};
+
+export type PreparedFramesGetErrors = {
+    /**
+     * Unauthorized
+     */
+    401: Problem;
+    /**
+     * Forbidden
+     */
+    403: Problem;
+    /**
+     * Not Found
+     */
+    404: Problem;
+    /**
+     * Not Acceptable
+     */
+    406: Problem;
+    /**
+     * Conflict
+     */
+    409: Problem;
+    /**
+     * Unprocessable Entity
+     */
+    422: Problem;
+    /**
+     * Too Many Requests
+     */
+    429: Problem;
+    /**
+     * Service Unavailable
+     */
+    503: Problem;
+    /**
+     * What went wrong, and what to do.
+     */
+    default: Problem;
+};
+
+export type PreparedFramesGetError = PreparedFramesGetErrors[keyof PreparedFramesGetErrors];
+
+export type PreparedFramesGetResponses = {
+    /**
+     * The frame, all of its pixels.
+     */
+    200: unknown;
+};
+
 export type TailsGetData = {
     body?: never;
     path: {

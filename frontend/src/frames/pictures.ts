@@ -12,6 +12,8 @@ export type FrameSource = {
   pixel_size_um: number;
   /** Checksum of the frames: with it the browser may keep a picture for ever. */
   checksum: string | null;
+  /** The run as whose detection saw them they are shown; without it as they came. */
+  preparedIn?: string;
 };
 
 /** Sides that pictures are asked for, so that nearby window sizes share them in the browser's cache. */
@@ -35,7 +37,9 @@ export async function fetchPicture(url: string, signal?: AbortSignal): Promise<I
   return createImageBitmap(await answer.blob());
 }
 
-export function pictureUrl({ experimentId, checksum }: FrameSource, frame: number, max_side: number): string {
+export function pictureUrl(source: FrameSource, frame: number, max_side: number): string {
+  const { experimentId, checksum, preparedIn } = source;
+  if (preparedIn) return apiUrl(["runs", preparedIn, "frames", String(frame), "prepared.jpg"]);
   const query = { max_side, v: checksum ?? undefined };
   return apiUrl(["experiments", experimentId, "frames", `${frame}.jpg`], query);
 }

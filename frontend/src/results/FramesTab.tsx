@@ -10,10 +10,9 @@ import { ProblemAlert } from "../platform/ProblemAlert";
 import { toProblem } from "../platform/problem";
 import { Reasons, whatIsAt } from "../previews/Rejected";
 import type { ArrowField } from "./arrows";
-import { availability } from "./availability";
 import { colourSteps, scaleOf } from "./colours";
 import { DropletPanel } from "./DropletPanel";
-import { useFrameResults, useSceneryOf, useSecondLook } from "./frameResults";
+import { isFollowed, useFrameResults, useSceneryOf, useSecondLook } from "./frameResults";
 import { LayerSwitches } from "./LayerSwitches";
 import { NotYet } from "./NotYet";
 import { dropletAt, type OverlayData, overlayPainter } from "./overlay";
@@ -23,11 +22,16 @@ import { type Colouring, LAYERS, type Layer, USUAL_LAYERS, useView } from "./vie
 export function FramesTab({ run, experiment }: { run: Run; experiment: Experiment }) {
   const { search, change } = useView();
   const { frame = 0, layers = USUAL_LAYERS, colour, view, droplet } = search;
-  const source = useMemo(() => frameSource(experiment), [experiment]);
+  const isPrepared = search.prepared === true;
+  const source = useMemo(() => {
+    const frames = frameSource(experiment);
+    return frames && isPrepared ? { ...frames, preparedIn: run.id } : frames;
+  }, [experiment, isPrepared, run.id]);
   const stamp = useStamp(experiment);
   const shown = Math.min(frame, (source?.n_frames ?? 1) - 1);
-  const isTracked = availability(run, "track") === "whole";
-  const found = useFrameResults(run, shown, source?.n_frames ?? 1, layers);
+  const n_frames = source?.n_frames ?? 1;
+  const isTracked = isFollowed(run, n_frames);
+  const found = useFrameResults(run, shown, n_frames, layers);
   const { droplets, field, error, isThere } = found;
   const colouring = useMemo(() => colouringOf(droplets, colour), [droplets, colour]);
   const dress = useCallback(
@@ -36,15 +40,15 @@ export function FramesTab({ run, experiment }: { run: Run; experiment: Experimen
     [droplet, colouring, layers],
   );
   const { tails } = found;
-  const [hasRejected, isPrepared] = [layers.includes("rejected"), search.prepared === true];
-  const look = useSecondLook(run, shown, hasRejected, isPrepared);
+  const hasRejected = layers.includes("rejected");
+  const look = useSecondLook(run, shown, hasRejected);
   const { rejected } = look;
   const [picked, setPicked] = useState<{ frame: number; what: string } | null>(null);
   const paint = useMemo(
     () => dress({ droplets, field, tails, rejected }),
     [dress, droplets, field, tails, rejected],
   );
-  const sceneryOf = useSceneryOf(run, layers, isPrepared, dress);
+  const sceneryOf = useSceneryOf(run, n_frames, layers, dress);
   if (!source) return <NotYet run={run} />;
 
   const toggle = (layer: Layer) => {
@@ -73,7 +77,6 @@ export function FramesTab({ run, experiment }: { run: Run; experiment: Experimen
             onFrame={(to) => change({ frame: to })}
             paint={paint}
             sceneryOf={sceneryOf}
-            picture={look.picture}
             label={`Frame ${shown} with droplets and flow. ${describe(droplets, shown)}`}
             timeOf={stamp}
             view={viewFromText(view)}

@@ -88,3 +88,20 @@ describe("withCommonColours", () => {
     expect(withCommonColours(HEAT, null)).toEqual([HEAT, null]);
   });
 });
+
+it("a title longer than its axis is high stands in two lines; a legend above and an axis at the right have room", () => {
+  const long = "droplets per area and radius (µm<sup>−3</sup>), depth unknown";
+  const layout = { yaxis: { title: { text: long } }, xaxis: { title: { text: long } } };
+  const low = fitted({ data: [], layout }, { isDark: false, height: 300, width: 900 }).layout;
+  expect((low.yaxis as { title: { text: string } }).title.text.split("<br>")).toHaveLength(2);
+  expect((low.xaxis as { title: { text: string } }).title.text).toBe(long);
+  const high = fitted({ data: [], layout }, { isDark: false, height: 500, width: 900 }).layout;
+  expect((high.yaxis as { title: { text: string } }).title.text).toBe(long);
+  const two = { legend: { orientation: "h", y: 1 }, yaxis2: { side: "right" } };
+  expect(
+    fitted({ data: [], layout: two }, { isDark: false, height: 240, width: 500 }).layout.margin,
+  ).toMatchObject({
+    t: 30,
+    r: 62,
+  });
+});

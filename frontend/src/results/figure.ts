@@ -48,8 +48,8 @@ export function fitted({ data, layout }: Figure, look: Look): Figure {
     // As said, whatever stands on the axes: Plotly would draw everything again for each thing that is wider.
     margin: {
       l: LEFT_PX,
-      r: look.aligned_s || (isNarrow && !hasColourBar(data)) ? MARGIN_PX : marginRight(data, layout),
-      t: look.aligned_s ? 30 : MARGIN_PX,
+      r: rightPx(data, layout, look),
+      t: look.aligned_s || isLegendAbove(layout) ? 30 : MARGIN_PX,
       b: 48,
       autoexpand: false,
     },
@@ -71,7 +71,7 @@ export function fitted({ data, layout }: Figure, look: Look): Figure {
     },
   };
   for (const name of Object.keys(layout).filter(isAxis)) {
-    fittedLayout[name] = fittedAxis(layout[name] as Json, look);
+    fittedLayout[name] = fittedAxis(name, layout[name] as Json, look);
   }
   return { data: data.map((trace) => fittedTrace(trace, ink, look.isDark)), layout: fittedLayout };
 }
@@ -89,14 +89,29 @@ export function isAxis(name: string): boolean {
   return /^[xy]axis\d*$/.test(name);
 }
 
-function fittedAxis(axis: Json, look: Look): Json {
+function fittedAxis(name: string, axis: Json, look: Look): Json {
   const colour = look.isDark ? LINE.dark : LINE.light;
   const shared = sharedAxis(axis);
   const wanted =
     shared && (look.ranges?.[shared.kind] ?? (shared.kind === "time_s" ? look.aligned_s : undefined));
   const range = wanted && shared && wanted.map((value) => value / shared.factor);
   const ranged = range ? { range: isLog(axis) ? range.map(Math.log10) : range, autorange: false } : {};
-  return { ...axis, linecolor: colour, tickcolor: colour, automargin: false, ...ranged };
+  const title = name.startsWith("y") ? fittingTitle(axis, look.height) : axis.title;
+  return { ...axis, title, linecolor: colour, tickcolor: colour, automargin: false, ...ranged };
+}
+
+/** A title longer than its axis is high, in two lines. Those of the axes below each other are short. */
+function fittingTitle(axis: Json, height: number): unknown {
+  const text = (axis.title as Json | undefined)?.text;
+  const [low, high] = (axis.domain as [number, number] | undefined) ?? [0, 1];
+  const most = ((height - 64) * (high - low)) / LETTER_PX;
+  if (typeof text !== "string" || text.includes("<br>") || text.replace(/<[^>]*>/g, "").length <= most)
+    return axis.title;
+  const middle = text.length / 2;
+  const spaces = [...text.matchAll(/ /g)].map(({ index }) => index);
+  const [at] = spaces.sort((a, b) => Math.abs(a - middle) - Math.abs(b - middle));
+  const lines = at === undefined ? text : `${text.slice(0, at)}<br>${text.slice(at + 1)}`;
+  return { ...(axis.title as Json), text: lines, font: { size: 11 } };
 }
 
 /** Whether the ends of an axis are exponents: those of Plotly's own kind, and those that show log r on a linear one. */
@@ -215,11 +230,26 @@ function inked(note: Json, ink: string): Json {
 export const MARGIN_PX = 16;
 /** Room for the numbers and the title of an axis. */
 const LEFT_PX = 78;
+const RIGHT_AXIS_PX = 62;
+/** How wide a letter of a title is, about. */
+const LETTER_PX = 6.8;
 /** Beside the axes, for a colour bar with its title. */
 export const COLOUR_BAR_PX = 92;
 
 function hasColourBar(data: Trace[]): boolean {
   return data.some(({ colorbar, showscale }) => colorbar && showscale !== false);
+}
+
+function isLegendAbove({ legend, showlegend }: Layout): boolean {
+  const { orientation, y } = (legend ?? {}) as Json;
+  return showlegend !== false && orientation === "h" && typeof y === "number" && y >= 1;
+}
+
+function rightPx(data: Trace[], layout: Layout, look: Look): number {
+  if (Object.keys(layout).some((name) => isAxis(name) && (layout[name] as Json).side === "right"))
+    return RIGHT_AXIS_PX;
+  if (look.aligned_s) return MARGIN_PX;
+  return look.width < 720 && !hasColourBar(data) ? MARGIN_PX : marginRight(data, layout);
 }
 
 /** Room beside the axes: for a colour bar, or what the figure itself asked for, for a legend there. */

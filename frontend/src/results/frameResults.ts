@@ -4,7 +4,6 @@ import type { Run } from "../client";
 import type { Scenery } from "../frames/drawing";
 import type { Painter } from "../frames/pen";
 import { neighbours } from "../frames/pictures";
-import { pictureFrom, usePicture } from "../previews/usePicture";
 import { arrowsOf } from "./arrows";
 import { availability } from "./availability";
 import type { OverlayData } from "./overlay";
@@ -13,10 +12,15 @@ import type { Layer } from "./view";
 
 const N_TAIL_FRAMES = 15;
 
+/** Whether droplets are shown as trajectories know them: those of a frame that stands alone are on none. */
+export function isFollowed(run: Run, n_frames: number): boolean {
+  return n_frames > 1 && availability(run, "track") === "whole";
+}
+
 /** What a run knows of one frame; the droplets of detection stand in until tracking is through. */
 export function useFrameResults(run: Run, frame: number, n_frames: number, layers: readonly Layer[]) {
   const cache = useQueryClient();
-  const isTracked = availability(run, "track") === "whole";
+  const isTracked = isFollowed(run, n_frames);
   const which = isTracked ? "tracked" : "detected";
   const hasTails = isTracked && layers.includes("tails");
   const droplets = useQuery({ ...dropletsQuery(run, frame, which), placeholderData: keepPreviousData });
@@ -48,17 +52,12 @@ export function useFrameResults(run: Run, frame: number, n_frames: number, layer
   };
 }
 
-/** Another look at the frame, where rejected candidates or the prepared frame are wanted: neither is kept. */
-export function useSecondLook(run: Run, frame: number, isRejectedWanted: boolean, isPrepared: boolean) {
-  const query = useQuery({
-    ...detectionQuery(run, frame, isPrepared),
-    enabled: isRejectedWanted || isPrepared,
-  });
-  const picture = usePicture(isPrepared ? query.data?.prepared_jpeg : null);
+/** Another look at the frame, where rejected candidates are wanted: they are not kept. */
+export function useSecondLook(run: Run, frame: number, isRejectedWanted: boolean) {
+  const query = useQuery({ ...detectionQuery(run, frame), enabled: isRejectedWanted });
   return {
     found: query.data ?? null,
     rejected: isRejectedWanted ? (query.data?.rejected ?? null) : null,
-    picture: isPrepared ? (picture ?? undefined) : undefined,
     error: query.error,
     isFetching: query.isFetching,
   };
@@ -67,29 +66,23 @@ export function useSecondLook(run: Run, frame: number, isRejectedWanted: boolean
 /** What is drawn over any frame, for films. */
 export function useSceneryOf(
   run: Run,
+  n_frames: number,
   layers: readonly Layer[],
-  isPrepared: boolean,
   dress: (data: OverlayData) => Painter,
 ) {
   const cache = useQueryClient();
   return useCallback(
     async (frame: number): Promise<Scenery> => {
-      const isTracked = availability(run, "track") === "whole";
-      const isRejectedWanted = layers.includes("rejected");
+      const isTracked = isFollowed(run, n_frames);
       const [droplets, flow, tails, look] = await Promise.all([
         cache.fetchQuery(dropletsQuery(run, frame, isTracked ? "tracked" : "detected")),
         cache.fetchQuery(flowQuery(run, frame)),
         layers.includes("tails") ? cache.fetchQuery(tailsQuery(run, frame, N_TAIL_FRAMES)) : null,
-        isRejectedWanted || isPrepared ? cache.fetchQuery(detectionQuery(run, frame, isPrepared)) : null,
+        layers.includes("rejected") ? cache.fetchQuery(detectionQuery(run, frame)) : null,
       ]);
       const field = flow && arrowsOf(flow);
-      const rejected = isRejectedWanted ? look?.rejected : null;
-      const jpeg = isPrepared ? look?.prepared_jpeg : null;
-      return {
-        paint: dress({ droplets, field, tails, rejected }),
-        picture: jpeg ? await pictureFrom(jpeg) : undefined,
-      };
+      return { paint: dress({ droplets, field, tails, rejected: look?.rejected }) };
     },
-    [cache, run, layers, isPrepared, dress],
+    [cache, run, n_frames, layers, dress],
   );
 }

@@ -25,7 +25,8 @@ export function qualityFigure({ axis, factor = 1, series, right }: QualityPlot, 
   const x = quality.time_s.map((time) => time / unit_s);
   const line = ({ name, field, colour }: Line, scale: number, yaxis = "y") => ({
     type: "scatter",
-    mode: "lines",
+    // A line needs two points.
+    mode: x.length > 2 ? "lines" : "lines+markers",
     name,
     x,
     y: quality[field].map((value) => (value === null ? null : value * scale)),

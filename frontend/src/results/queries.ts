@@ -79,12 +79,11 @@ export function dropletsQuery(run: Run, frame: number, which: "detected" | "trac
   });
 }
 
-/** A frame looked at once more as the run did: what was not taken for a droplet, and the frame as detection sees it. */
-export function detectionQuery(run: Run, frame: number, is_picture_wanted: boolean) {
-  const request = { path: { run_id: run.id, frame }, query: { is_picture_wanted } };
+/** A frame looked at once more as the run did: what was not taken for a droplet. */
+export function detectionQuery(run: Run, frame: number) {
   return queryOptions({
-    queryKey: ["runs", run.id, "frames", frame, "detection", is_picture_wanted],
-    queryFn: async ({ signal }) => (await detectionsGet({ ...request, signal })).data,
+    queryKey: ["runs", run.id, "frames", frame, "detection"],
+    queryFn: async ({ signal }) => (await detectionsGet({ path: { run_id: run.id, frame }, signal })).data,
     gcTime: KEEP_MS,
     staleTime: Number.POSITIVE_INFINITY,
     structuralSharing: false,

@@ -58,12 +58,24 @@ export function RunPage() {
         {(loaded) => (
           <Stack gap="md">
             <Outcome run={loaded} />
+            {experiment.data?.stack.n_frames === 1 && <OneFrame />}
             <KeyNumbers run={loaded} />
             <ResultTabs run={loaded} experiment={experiment.data} />
           </Stack>
         )}
       </QueryView>
     </Page>
+  );
+}
+
+/** What moves, grows or lasts cannot be seen in one frame; said once, for all the empty plots below. */
+function OneFrame() {
+  return (
+    <Alert color="blue" role="status" title="A film of one frame">
+      Droplets are found and their sizes shown as detected. Nothing can be followed, so that whatever needs
+      motion or time stays empty: trajectories, flow, growth. For these, make a new experiment with two frames
+      or more.
+    </Alert>
   );
 }
 
