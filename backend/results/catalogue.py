@@ -3,10 +3,12 @@
 from collections.abc import Collection, Sequence
 
 from backend.platform.problems import InvalidRequest
+from backend.results.errors import NotKept
 from backend.results.schemas import FigureEntry, FigureName, FigureParameter, FigureQuery
 from dropflow.errors import FieldProblem
 from dropflow.figures.catalogue import BY_NAME, CATALOGUE
 from dropflow.figures.entry import Entry, Needs, Parameter
+from dropflow.figures.example import WORKING_PANELS
 from dropflow.statistics.facts import FilmFacts
 from dropflow.statistics.oscillations import Signal
 
@@ -19,9 +21,22 @@ LATER = {
 }
 
 
-def entries(facts: FilmFacts, done: Collection[str], *, duration_s: float) -> list[FigureEntry]:
-    """All figures; `done` are the stages that have left something."""
-    return [_entry(entry, facts, done, duration_s) for entry in CATALOGUE]
+def entries(
+    facts: FilmFacts, done: Collection[str], *, duration_s: float, is_example_kept: bool = True
+) -> list[FigureEntry]:
+    """All figures; `done` are the stages that have left something, and perhaps a frame to show detection on."""
+    found = [_entry(entry, facts, done, duration_s) for entry in CATALOGUE]
+    if is_example_kept or Needs.ANALYSE not in done:
+        return found
+    return [_of_a_chosen_frame(entry, "prepare" in done) if entry.name in WORKING_PANELS else entry for entry in found]
+
+
+def _of_a_chosen_frame(entry: FigureEntry, is_prepared: bool) -> FigureEntry:
+    """Of a run that kept no frame itself: any can be looked at, where what was measured of the film is there."""
+    if not is_prepared:
+        return entry.model_copy(update={"is_available": False, "reason": str(NotKept())})
+    chosen = [one.model_copy(update={"is_required": one.name == "frame"}) for one in entry.parameters]
+    return entry.model_copy(update={"parameters": chosen})
 
 
 def _entry(entry: Entry, facts: FilmFacts, done: Collection[str], duration_s: float) -> FigureEntry:

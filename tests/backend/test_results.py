@@ -259,12 +259,16 @@ def test_a_run_of_a_version_that_kept_no_example_says_so(
         try:
             answer = shared_house.api.get(address)
             of_a_frame = shared_house.api.get(f"{address}?frame=3")
+            listed = shared_house.ok(shared_house.api.get(f"runs/{run['id']}/figures"))["items"]
         finally:
             analysed.files = whole
             session.commit()
     assert (answer.status_code, answer.json()["code"]) == (404, "results.not_kept")
     assert "Choose a frame" in answer.json()["hint"]
     assert of_a_frame.status_code == 200
+    panel = next(entry for entry in listed if entry["name"] == WORKING_PANELS[0])
+    assert panel["is_available"]
+    assert [one["name"] for one in panel["parameters"] if one["is_required"]] == ["frame"]
 
 
 @pytest.mark.parametrize(
