@@ -9,6 +9,7 @@ import { type Document, defaultsOf } from "../forms/document";
 import { focusFirstInvalid } from "../forms/focus";
 import { fieldsOf, type JsonSchema } from "../forms/schema";
 import { FirstLook } from "../frames/FirstLook";
+import { Empty } from "../platform/Empty";
 import { Page } from "../platform/Page";
 import { Panel } from "../platform/Panel";
 import { ProblemAlert } from "../platform/ProblemAlert";
@@ -44,26 +45,58 @@ export function NewRunPage() {
   ];
   return (
     <Page title="New run" above={above}>
-      <QueryView query={schema} loading={<Loading rows={6} height={48} />}>
-        {(loaded) =>
-          from === undefined ? (
-            <NewRun experimentId={experimentId} experiment={experiment.data} schema={loaded as JsonSchema} />
-          ) : (
-            <QueryView query={model}>
-              {(run) => (
-                <NewRun
-                  experimentId={experimentId}
-                  experiment={experiment.data}
-                  schema={loaded as JsonSchema}
-                  begin={run.parameters}
-                  origin={`Begins with the parameters of run ${run.number}.`}
-                />
-              )}
-            </QueryView>
-          )
-        }
-      </QueryView>
+      {experiment.data && experiment.data.stack.state !== "ready" ? (
+        <NoFrames experiment={experiment.data} />
+      ) : (
+        <QueryView query={schema} loading={<Loading rows={6} height={48} />}>
+          {(loaded) =>
+            from === undefined ? (
+              <NewRun
+                experimentId={experimentId}
+                experiment={experiment.data}
+                schema={loaded as JsonSchema}
+              />
+            ) : (
+              <QueryView query={model}>
+                {(run) => (
+                  <NewRun
+                    experimentId={experimentId}
+                    experiment={experiment.data}
+                    schema={loaded as JsonSchema}
+                    begin={run.parameters}
+                    origin={`Begins with the parameters of run ${run.number}.`}
+                  />
+                )}
+              </QueryView>
+            )
+          }
+        </QueryView>
+      )}
     </Page>
+  );
+}
+
+/** Nothing can be tried nor run before there are frames; where they are added, their state is told. */
+function NoFrames({ experiment: { id, stack } }: { experiment: Experiment }) {
+  const isReading = stack.state === "indexing";
+  return (
+    <Empty
+      title={isReading ? "The frames are being read" : "There are no frames to analyse"}
+      action={
+        <Button
+          mt="sm"
+          renderRoot={(props) => (
+            <Link to="/experiments/$experimentId" params={{ experimentId: id }} {...props} />
+          )}
+        >
+          {isReading ? "See how far it is" : "Add frames"}
+        </Button>
+      }
+    >
+      {isReading
+        ? "Parameters can be tried and a run started when that is through."
+        : "Add them on the page of the experiment; then come back to try parameters and start the run."}
+    </Empty>
   );
 }
 
