@@ -13,7 +13,7 @@ export function useInSight(ref: RefObject<HTMLElement | null>): boolean {
     const { top, bottom } = element.getBoundingClientRect();
     setSeen(top < window.innerHeight + MARGIN_PX && bottom > -MARGIN_PX);
     const observer = new IntersectionObserver(
-      (entries) => setSeen(entries.some(({ isIntersecting }) => isIntersecting)),
+      (entries) => setSeen(entries[entries.length - 1]?.isIntersecting ?? false),
       { rootMargin: `${MARGIN_PX}px 0px` },
     );
     observer.observe(element);

@@ -53,7 +53,7 @@ export function SizesTab({ run }: { run: Run }) {
           )
         }
       >
-        <div className="side-by-side">
+        <div className="side-by-side" style={{ "--colour-bar": `${COLOUR_BAR_PX}px` } as CSSProperties}>
           <div>
             <Text fw={500} fz="sm" mb={4}>
               Before tracking
@@ -68,8 +68,7 @@ export function SizesTab({ run }: { run: Run }) {
               }
             </QueryView>
           </div>
-          {/* Wider by the colour bar, so that both time axes are of one length. */}
-          <div style={{ "--wider-by": `${COLOUR_BAR_PX}px` } as CSSProperties}>
+          <div>
             <Text fw={500} fz="sm" mb={4}>
               After tracking
             </Text>
