@@ -34,27 +34,7 @@ export function FigureCard({ run, entry, ranges, onRanges, more, height = 420, .
     <Panel
       title={entry.title}
       about={<Prose text={entry.how} />}
-      actions={
-        <Group gap="sm" wrap="nowrap">
-          {entry.paper && (
-            <Badge variant="default" tt="none" fw={500}>
-              {entry.paper}
-            </Badge>
-          )}
-          {entry.has_table && entry.is_available && (
-            <Anchor
-              fz="sm"
-              href={apiUrl(["runs", run.id, "figures", entry.name, "table.csv"], askedQuery(asked))}
-              download={`${entry.name}-run-${run.number}.csv`}
-            >
-              <Group gap={4} wrap="nowrap">
-                <IconTableDown size={16} aria-hidden />
-                Table
-              </Group>
-            </Anchor>
-          )}
-        </Group>
-      }
+      actions={<PaperAndTable run={run} entry={entry} asked={asked} />}
     >
       {entry.is_available ? (
         <div ref={place}>
@@ -84,5 +64,31 @@ export function FigureCard({ run, entry, ranges, onRanges, more, height = 420, .
         </Text>
       )}
     </Panel>
+  );
+}
+
+/** Where the paper has a figure, and its numbers to take away. */
+export function PaperAndTable({ run, entry, asked }: { run: Run; entry: FigureEntry; asked: Asked }) {
+  return (
+    <Group gap="sm" wrap="nowrap">
+      {entry.paper && (
+        <Badge variant="default" tt="none" fw={500}>
+          {entry.paper}
+        </Badge>
+      )}
+      {entry.has_table && entry.is_available && (
+        <Anchor
+          fz="sm"
+          href={apiUrl(["runs", run.id, "figures", entry.name, "table.csv"], askedQuery(asked))}
+          aria-label={`Table: ${entry.title}`}
+          download={`${entry.name}-run-${run.number}.csv`}
+        >
+          <Group gap={4} wrap="nowrap">
+            <IconTableDown size={16} aria-hidden />
+            Table
+          </Group>
+        </Anchor>
+      )}
+    </Group>
   );
 }

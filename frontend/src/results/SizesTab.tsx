@@ -1,11 +1,12 @@
 import { Button, Group, Stack, Text } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { type CSSProperties, useMemo } from "react";
-import type { Run } from "../client";
+import type { FigureEntry, FigureName, Run } from "../client";
 import { formatNumber } from "../platform/format";
 import { Panel } from "../platform/Panel";
 import { Loading, QueryView } from "../platform/QueryView";
-import { FigureCard } from "./FigureCard";
+import type { Asked } from "./asked";
+import { FigureCard, PaperAndTable } from "./FigureCard";
 import { COLOUR_BAR_PX, type Mark, type Range } from "./figure";
 import { NotYet } from "./NotYet";
 import { useTimeAxis } from "./oscillations";
@@ -31,7 +32,8 @@ export function SizesTab({ run }: { run: Run }) {
   const before = useQuery(figureQuery(run, "size_distribution_before", finer));
   const after = useQuery(figureQuery(run, "size_distribution_after", finer));
   const catalogue = useQuery(catalogueQuery(run));
-  const slice = catalogue.data?.find(({ name }) => name === "size_distribution_at");
+  const entryOf = (name: FigureName) => catalogue.data?.find((entry) => entry.name === name);
+  const slice = entryOf("size_distribution_at");
   const [left, right] = useTogether(before, after);
   const plot = {
     height: HEIGHT,
@@ -55,9 +57,9 @@ export function SizesTab({ run }: { run: Run }) {
       >
         <div className="side-by-side" style={{ "--colour-bar": `${COLOUR_BAR_PX}px` } as CSSProperties}>
           <div>
-            <Text fw={500} fz="sm" mb={4}>
+            <MapTitle run={run} entry={entryOf("size_distribution_before")} asked={finer}>
               Before tracking
-            </Text>
+            </MapTitle>
             <QueryView query={before} loading={<Loading rows={1} height={HEIGHT} />}>
               {() =>
                 left ? (
@@ -69,9 +71,9 @@ export function SizesTab({ run }: { run: Run }) {
             </QueryView>
           </div>
           <div>
-            <Text fw={500} fz="sm" mb={4}>
+            <MapTitle run={run} entry={entryOf("size_distribution_after")} asked={finer}>
               After tracking
-            </Text>
+            </MapTitle>
             <QueryView query={after} loading={<Loading rows={1} height={HEIGHT} />}>
               {() =>
                 right ? (
@@ -106,6 +108,19 @@ export function SizesTab({ run }: { run: Run }) {
         />
       )}
     </Stack>
+  );
+}
+
+type MapTitleProps = { run: Run; entry: FigureEntry | undefined; asked: Asked; children: string };
+
+function MapTitle({ run, entry, asked, children }: MapTitleProps) {
+  return (
+    <Group justify="space-between" mb={4} mih={28}>
+      <Text fw={500} fz="sm">
+        {children}
+      </Text>
+      {entry && <PaperAndTable run={run} entry={entry} asked={asked} />}
+    </Group>
   );
 }
 
