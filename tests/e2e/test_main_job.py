@@ -87,6 +87,8 @@ def test_the_page_gives_the_numbers_that_the_command_gives(page: Page, film: Pat
 
     for tab in ("Sizes", "Flow", "Over time", "Figures", "Quality"):
         page.get_by_role("tab", name=tab).click()
+        # What is out of sight is drawn when somebody comes to it.
+        page.get_by_role("heading", level=2).last.scroll_into_view_if_needed()
         expect(page.locator(".js-plotly-plot").first).to_be_visible()
         expect(page.get_by_role("alert")).to_have_count(0)
         assert serious_findings(page) == []
