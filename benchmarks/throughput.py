@@ -35,7 +35,7 @@ from tests.services import ROOT
 
 _STAGES = """
 SELECT task, sum(stop_frame - start_frame), extract(epoch FROM max(finished_at) - min(started_at)), count(*)
-FROM shard WHERE run_id = :run GROUP BY task
+FROM shard WHERE run_id = :run AND NOT is_reused GROUP BY task
 """
 _DATABASE = (
     "SELECT sum(pg_total_relation_size(oid)) FROM pg_class WHERE relname IN ('shard', 'product', 'frame_summary')"
@@ -129,7 +129,7 @@ def main() -> None:
         film = folder / "film"
         options = ["--scenario", given.scenario, "--frames", str(given.frames), "--seed", "77"]
         subprocess.run([*COMMAND, "simulate", film, *options], check=True, stdout=subprocess.DEVNULL)
-        short = first_frames(film, 8, folder / "short")
+        short = first_frames(film, 4, folder / "short")
         with servers(net, folder, 10) as there, running_s3(net.address) as port:
             store = {"OBJECT_STORE_URL": f"s3://{BUCKET}", "AWS_ENDPOINT_URL": f"http://{net.address}:{port}"}
             more = {"AWS_ALLOW_HTTP": "true", "AWS_REGION": "us-east-1", "AUTH": "local", "HOST": "127.0.0.1"}
@@ -145,9 +145,10 @@ def measure(
     with service(there, environment) as client:
         with shard_workers(1, net, there, environment):
             client.film(short, film / "experiment.yaml").start().wait(timeout_s=_LONGEST_S)
-        experiment = client.film(film / "frames", film / "experiment.yaml")
-        first_s = 0.0
+        first_s, sizes = 0.0, dict[str, int]()
         for n in given.workers:
+            # Another experiment of the same film: a run never does again what one of its own experiment has done.
+            experiment = client.film(film / "frames", film / "experiment.yaml", is_again=True)
             with shard_workers(n, net, there, environment):
                 run = experiment.start().wait(timeout_s=_LONGEST_S)
             rates = measured(engine, run, given.frames)
@@ -158,8 +159,7 @@ def measure(
                 f"{_LARGE:,} frames: {_LARGE * (1 / rates['detect'] + 1 / rates['track']) / 3600:.1f} h",
                 flush=True,
             )
-            sizes = left(engine, environment, experiment.id)
-            run.delete()
+            sizes = sizes or left(engine, environment, experiment.id)
         for kind, size in sizes.items():
             frame = size / given.frames
             print(f"  {kind}: {frame / 1e3:,.1f} kB a frame, {_LARGE * frame / 1e9:.1f} GB of {_LARGE:,} frames")
