@@ -243,8 +243,10 @@ def report(connection: Connection, given: argparse.Namespace, began: State, ende
     names = ("Postgres", "Valkey", "all workers", "the whole machine")
     cores = (f"{name} {cpu_s / seconds:.2f}" for name, cpu_s in zip(names, spent, strict=True))
     print(f"  cores: {', '.join(cores)} of {os.cpu_count()}; Postgres {1000 * spent[0] / n_done:.0f} ms a shard")
-    for name, column in (("claim", 1), ("publish", 2)):
-        print(f"  to {name}: {_percentiles([line[column] for line in lines])}")
+    # What was claimed before was claimed while all workers connected at once.
+    claims = [line[1] for line in lines if line[3] >= began.time_s]
+    print(f"  to claim: {_percentiles(claims)} (of {len(claims)})")
+    print(f"  to publish: {_percentiles([line[2] for line in lines])}")
     for whose in ("person", "run"):
         print(f"  {_shares(connection, whose)}")
     expired = _one(connection, "SELECT coalesce(sum(count), 0) FROM tally WHERE name = 'lease_expiries'")
@@ -265,6 +267,8 @@ def _shares(connection: Connection, whose: str) -> str:
 
 
 def _percentiles(values: Sequence[float]) -> str:
+    if not values:
+        return "none: measure for longer (--seconds)"
     ordered = sorted(values)
     at = [1000 * ordered[min(int(share * len(ordered)), len(ordered) - 1)] for share in (0.5, 0.95, 0.99)]
     return f"median {at[0]:.1f} ms, p95 {at[1]:.1f} ms, p99 {at[2]:.1f} ms, longest {1000 * ordered[-1]:.0f} ms"

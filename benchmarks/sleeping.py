@@ -32,7 +32,7 @@ _asked = threading.local()
 
 def sleep(context: Context, lease: Lease) -> None:
     """Sleep for as long as detection takes, frame by frame; note how long claiming and publishing took."""
-    claimed_s = time.perf_counter() - _asked.at_s
+    began_at, claimed_s = time.time(), time.perf_counter() - _asked.at_s
     n_frames = lease.claim.stop_frame - lease.claim.start_frame
     frame_s = random.uniform(0.5, 1.5) * _SHARD_S / n_frames
     for n_done in range(1, n_frames + 1):
@@ -41,7 +41,7 @@ def sleep(context: Context, lease: Lease) -> None:
     began_s = time.perf_counter()
     outcomes.publish(context, lease.claim, NewProduct(prefix=f"benchmark/{uuid4()}/", sizes=SIZES))
     with (_NOTES / str(os.getpid())).open("a") as notes:
-        notes.write(f"{time.time()} {claimed_s} {time.perf_counter() - began_s}\n")
+        notes.write(f"{time.time()} {claimed_s} {time.perf_counter() - began_s} {began_at}\n")
 
 
 def work(number: int, stopping: threading.Event) -> None:
