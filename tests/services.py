@@ -107,7 +107,7 @@ def running_service(database_url: str, redis_url: str, **settings: str) -> Itera
 
 
 def _await_health(port: int, child: Child) -> None:
-    deadline = time.monotonic() + 60
+    deadline = time.monotonic() + 180
     while status_of(port, "/api/v1/health") != 200:
         assert child.is_running, child.last_words(30)
         assert time.monotonic() < deadline, child.last_words(30)
