@@ -2,7 +2,8 @@
 
 from typing import Annotated
 
-from fastapi import APIRouter, Depends, Path, Query, Response
+from fastapi import APIRouter, Depends, Path, Query
+from fastapi.responses import StreamingResponse
 
 from backend.planning import service
 from backend.planning.errors import NoSuchMaterial
@@ -11,6 +12,7 @@ from backend.planning.service import RampWish
 from backend.platform.dependencies import ViewerDependency
 from backend.platform.problems import InvalidRequest, responses
 from backend.results.schemas import Figure
+from dropflow.physics.ramp import LONGEST_S
 
 router = APIRouter(prefix="/materials", tags=["planning"])
 
@@ -22,7 +24,7 @@ def _wish(
     start_c: Temperature = 25.8,
     end_c: Temperature = 50.0,
     driving_per_s: Annotated[float | None, Query(ge=1e-9, le=1, description="xi. Give this or the duration.")] = None,
-    duration_s: Annotated[float | None, Query(ge=1, le=1e6, description="How long the ramp takes.")] = None,
+    duration_s: Annotated[float | None, Query(ge=1, le=LONGEST_S, description="How long the ramp takes.")] = None,
     has_protocol: Annotated[bool, Query(description="Begin with an hour of mixing and four of equilibration.")] = False,
 ) -> RampWish:
     return RampWish(start_c, end_c, driving_per_s, duration_s, has_protocol)
@@ -65,13 +67,13 @@ def ramps_get(_: ViewerDependency, name: Name, wish: Wish) -> Ramp:
 
 @router.get(
     "/{name}/ramp.csv",
-    response_class=Response,
+    response_class=StreamingResponse,
     responses={
         200: {"content": {"text/csv": {}}, "description": "Set points, one a second."},
         **responses(NoSuchMaterial, InvalidRequest),
     },
 )
-def ramps_download(_: ViewerDependency, name: Name, wish: Wish) -> Response:
+def ramps_download(_: ViewerDependency, name: Name, wish: Wish) -> StreamingResponse:
     """Download the set points of a ramp: `time_s`, `temperature_c` and `stage`, one row a second."""
     headers = {"Content-Disposition": f'attachment; filename="ramp-{name}.csv"'}
-    return Response(service.ramp_csv(name, wish), media_type="text/csv", headers=headers)
+    return StreamingResponse(service.ramp_rows(name, wish), media_type="text/csv", headers=headers)

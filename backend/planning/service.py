@@ -1,6 +1,5 @@
 """What a planned experiment needs to know: nothing here touches the database."""
 
-import io
 import json
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -17,7 +16,7 @@ from dropflow.experiment import FixedMaterial, Phase
 from dropflow.physics.material import MixtureProperties, resolve_at
 from dropflow.physics.material_files import MaterialFile, find_material, known_names
 from dropflow.physics.material_report import describe
-from dropflow.physics.ramp import Protocol, temperature_ramp, write_ramp
+from dropflow.physics.ramp import Protocol, ramp_csv, temperature_ramp
 from dropflow.physics.ramp import Ramp as MadeRamp
 from dropflow.physics.stokes import sedimentation_um_s
 
@@ -77,11 +76,9 @@ def ramp(name: str, wish: RampWish) -> Ramp:
     )
 
 
-def ramp_csv(name: str, wish: RampWish) -> bytes:
+def ramp_rows(name: str, wish: RampWish) -> Iterator[str]:
     """Set points, one a second, as a controller takes them."""
-    file = io.StringIO()
-    write_ramp(file, _made(name, wish), Protocol() if wish.has_protocol else None)
-    return file.getvalue().encode()
+    return ramp_csv(_made(name, wish), Protocol() if wish.has_protocol else None)
 
 
 @lru_cache(maxsize=32)

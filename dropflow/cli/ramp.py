@@ -7,7 +7,7 @@ import typer
 
 from dropflow.physics.material import MixtureProperties
 from dropflow.physics.material_report import find_or_load
-from dropflow.physics.ramp import Protocol, temperature_ramp, write_ramp
+from dropflow.physics.ramp import Protocol, ramp_csv, temperature_ramp
 
 
 def ramp(
@@ -35,7 +35,10 @@ def ramp(
     protocol = Protocol() if has_protocol else None
     output.parent.mkdir(parents=True, exist_ok=True)
     with output.open("w", encoding="utf-8", newline="") as file:
-        n_rows = write_ramp(file, made, protocol)
+        n_rows = -1  # the first line is the names of the columns
+        for text in ramp_csv(made, protocol):
+            file.write(text)
+            n_rows += text.count("\n")
     typer.echo(
         f"{output}: {n_rows} set points, {start_c:g} to {end_c:g} °C in {made.duration_s / 3600:.2f} h, "
         f"xi {made.driving_per_s:.4g} 1/s, {found.label}"

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TextIO
+from itertools import islice
 
 import numpy as np
 import numpy.typing as npt
@@ -13,6 +13,9 @@ from dropflow.physics.binodal import Binodal
 Floats = npt.NDArray[np.float64]
 
 N_STEPS = 10_000
+LONGEST_S = 1e7
+"""A ramp of four months; its set points are ten million."""
+_ROWS_AT_ONCE = 10_000
 _CURVE_POINTS = 4096
 
 
@@ -62,7 +65,7 @@ def temperature_ramp(
     Raises
     ------
     ParametersError
-        Not exactly one of xi and duration, not positive, or no rise from start to end.
+        Not exactly one of xi and duration, not positive, no rise from start to end, or longer than `LONGEST_S`.
     ExperimentError
         A temperature is outside the binodal.
     """
@@ -75,6 +78,10 @@ def temperature_ramp(
         raise ParametersError(f"The ramp must rise: it begins at {start_c} °C and ends at {end_c} °C.")
     growth, temperature_c = _path(binodal, start_c, end_c, n_steps)
     duration = growth / driving_per_s if driving_per_s is not None else float(duration_s or 0)
+    if duration > LONGEST_S:
+        raise ParametersError(
+            f"The ramp would take {duration:.3g} s; {LONGEST_S:.0e} s is the longest: give a larger driving parameter."
+        )
     return Ramp(growth / duration, np.linspace(0, duration, n_steps + 1), temperature_c)
 
 
@@ -128,16 +135,18 @@ def ramp_rows(ramp: Ramp, protocol: Protocol | None = None) -> Iterator[tuple[fl
             for second in np.arange(np.ceil(duration_s)):
                 yield begin_s + float(second), temperature_c, stage
             begin_s += float(np.ceil(duration_s))
-    seconds = np.arange(np.floor(ramp.duration_s) + 1)
-    for second, temperature_c in zip(seconds, ramp.at(seconds), strict=True):
-        yield begin_s + float(second), float(temperature_c), "ramp"
+    n_seconds = int(ramp.duration_s) + 1
+    for first in range(0, n_seconds, _ROWS_AT_ONCE):
+        seconds = np.arange(first, min(first + _ROWS_AT_ONCE, n_seconds), dtype=np.float64)
+        for at_s, temperature_c in zip(seconds, ramp.at(seconds), strict=True):
+            yield begin_s + float(at_s), float(temperature_c), "ramp"
 
 
-def write_ramp(file: TextIO, ramp: Ramp, protocol: Protocol | None = None) -> int:
-    """Write the set points as CSV (``time_s``, ``temperature_c``, ``stage``); return how many."""
-    file.write("time_s,temperature_c,stage\n")
-    n_rows = 0
-    for time_s, temperature_c, stage in ramp_rows(ramp, protocol):
-        file.write(f"{time_s:.0f},{temperature_c:.4f},{stage}\n")
-        n_rows += 1
-    return n_rows
+def ramp_csv(ramp: Ramp, protocol: Protocol | None = None) -> Iterator[str]:
+    """The set points as CSV (``time_s``, ``temperature_c``, ``stage``), some thousand lines at once."""
+    yield "time_s,temperature_c,stage\n"
+    lines = (
+        f"{time_s:.0f},{temperature_c:.4f},{stage}\n" for time_s, temperature_c, stage in ramp_rows(ramp, protocol)
+    )
+    while text := "".join(islice(lines, _ROWS_AT_ONCE)):
+        yield text

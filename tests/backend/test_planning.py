@@ -56,6 +56,7 @@ def test_the_set_points_are_one_a_second_with_the_protocol_before_them(shared_ho
         (f"materials/{MIXTURE}/ramp?driving_per_s=1e-5&duration_s=60", 422, "parameters.invalid"),
         (f"materials/{MIXTURE}/ramp?driving_per_s=0", 422, "request.invalid"),
         (f"materials/{MIXTURE}/ramp?duration_s=60&start_c=40&end_c=30", 422, "parameters.invalid"),
+        (f"materials/{MIXTURE}/ramp.csv?driving_per_s=1e-9", 422, "parameters.invalid"),
         ("materials/polystyrene-in-water-25c/phase_diagram", 422, "material.property_missing"),
     ],
 )

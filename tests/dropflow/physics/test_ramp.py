@@ -1,5 +1,3 @@
-import io
-
 import numpy as np
 import pytest
 
@@ -7,7 +5,7 @@ from dropflow.errors import ExperimentError, ParametersError
 from dropflow.physics.binodal import BinodalPoint, ScalingBinodal, TableBinodal
 from dropflow.physics.material import MixtureProperties
 from dropflow.physics.material_files import find_material
-from dropflow.physics.ramp import N_STEPS, Protocol, ramp_rows, temperature_ramp, write_ramp
+from dropflow.physics.ramp import LONGEST_S, N_STEPS, Protocol, ramp_csv, ramp_rows, temperature_ramp
 
 DRIVING_PER_S = 1.05e-5
 
@@ -93,6 +91,8 @@ def test_a_given_duration_gives_its_driving(scaling: ScalingBinodal) -> None:
         {"driving_per_s": -1e-5},
         {"duration_s": 0.0},
         {"driving_per_s": 1e-5, "start_c": 50.0, "end_c": 30.0},
+        {"driving_per_s": 1e-9},
+        {"duration_s": 2 * LONGEST_S},
     ],
 )
 def test_an_impossible_ramp_is_refused(scaling: ScalingBinodal, wrong: dict[str, float]) -> None:
@@ -107,6 +107,6 @@ def test_set_points_come_once_a_second_with_the_protocol_before_them(scaling: Sc
     assert [row[2] for row in rows[:6]] == ["mixing"] * 3 + ["equilibration"] * 2 + ["ramp"]
     assert rows[0][1] == 24.0
     assert rows[4][1] == rows[5][1] == 25.8
-    file = io.StringIO()
-    assert write_ramp(file, ramp) == 101
-    assert file.getvalue().splitlines()[:2] == ["time_s,temperature_c,stage", "0,25.8000,ramp"]
+    lines = "".join(ramp_csv(ramp)).splitlines()
+    assert len(lines) == 1 + 101
+    assert lines[:2] == ["time_s,temperature_c,stage", "0,25.8000,ramp"]
