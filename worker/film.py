@@ -12,7 +12,7 @@ from sqlalchemy.orm import Session
 from backend.models import File, Product, Run, Shard, Stack
 from backend.platform.object_store import ObjectStore
 from backend.platform.places import Place
-from backend.platform.store_files import StoreFiles, place_of
+from backend.platform.store_files import PLACED, StoreFiles, place_of
 from dropflow.experiment import Experiment, parse_experiment
 from dropflow.frames import Choice, Frames, open_frames
 from dropflow.ingest import StackIndex
@@ -110,8 +110,8 @@ def made_ranges(session: Session, experiment_id: UUID, detection: str) -> list[r
 def uploaded_files(session: Session, experiment_id: UUID) -> dict[str, dict[str, Place]]:
     """Where each uploaded file is kept, by name, by role."""
     found: dict[str, dict[str, Place]] = {FRAMES_ROLE: {}}
-    for file in session.scalars(select(File).where(File.experiment_id == experiment_id)):
-        found.setdefault(file.role, {})[file.name] = place_of(file)
+    for row in session.execute(select(File.role, File.name, *PLACED).where(File.experiment_id == experiment_id)):
+        found.setdefault(row.role, {})[row.name] = place_of(row)
     return found
 
 

@@ -7,7 +7,6 @@ from sqlalchemy.orm import Session
 
 from backend.models import Experiment
 from backend.platform.object_store import ObjectStore
-from backend.platform.store_files import place_of
 from backend.platform.visibility import Viewer
 from backend.stacks import repository
 from backend.stacks.errors import StackNotReady
@@ -44,10 +43,10 @@ def _timed(
     session: Session, store: ObjectStore, viewer: Viewer, experiment: Experiment, index: StackIndex
 ) -> StackIndex:
     document = parse_experiment(experiment.document)
-    logs = [file for file in repository.files(session, viewer, experiment.id) if file.role == Role.TEMPERATURE_LOG]
+    logs = repository.places(session, viewer, experiment.id, Role.TEMPERATURE_LOG)
     if not logs:
         return index.timed(document)
-    place = place_of(logs[0])
+    place = next(iter(logs.values()))
     try:
         with store.open_place(place) as log:
             return index.timed(document, log)

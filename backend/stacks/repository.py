@@ -8,6 +8,8 @@ from sqlalchemy.orm import Session
 
 from backend.models import Experiment, File, Import, Run, Shard, Upload
 from backend.platform.pages import Order, page_of
+from backend.platform.places import Place
+from backend.platform.store_files import PLACED, place_of
 from backend.platform.visibility import Viewer, visible_experiments
 from backend.stacks.schemas import FileQuery
 
@@ -15,6 +17,12 @@ from backend.stacks.schemas import FileQuery
 def files(session: Session, viewer: Viewer, experiment_id: UUID) -> Sequence[File]:
     """Files of an experiment by role and name."""
     return session.scalars(_files(viewer, experiment_id).order_by(File.role, File.name)).all()
+
+
+def places(session: Session, viewer: Viewer, experiment_id: UUID, role: str) -> dict[str, Place]:
+    """Where each file of one role is kept, by name."""
+    asked = _files(viewer, experiment_id).where(File.role == role).with_only_columns(File.name, *PLACED)
+    return {row.name: place_of(row) for row in session.execute(asked)}
 
 
 _BY_NAME = (File.role.expression, File.name.expression)

@@ -5,7 +5,7 @@ from uuid import UUID
 from sqlalchemy.orm import Session
 
 from backend.experiments.service import get, get_locked
-from backend.models import Experiment, File, Shard, Stack
+from backend.models import Experiment, Shard, Stack
 from backend.models.lifecycle import doom, remove_files
 from backend.models.states import STACK_RULES, StackState, rule
 from backend.platform.database import after_commit
@@ -123,5 +123,4 @@ def with_frame(session: Session, viewer: Viewer, experiment_id: UUID, frame: int
 
 def frame_files(session: Session, viewer: Viewer, experiment_id: UUID) -> dict[str, Place]:
     """Where each file of frames is kept, by name."""
-    found: list[File] = list(repository.files(session, viewer, experiment_id))
-    return {file.name: place_of(file) for file in found if file.role == schemas.Role.FRAMES}
+    return repository.places(session, viewer, experiment_id, schemas.Role.FRAMES)

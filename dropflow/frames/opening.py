@@ -1,6 +1,6 @@
 """From a path or named files to the reader that knows what they are."""
 
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 from typing import BinaryIO
 
 from dropflow.errors import FramesError
@@ -94,7 +94,7 @@ def _is_outside(name: str, root: str) -> bool:
 
 
 def _zarr_roots(names: list[str]) -> list[str]:
-    if not any(PurePosixPath(name).name in _MARKS_OF_ZARR for name in names):
+    if not any(name[name.rfind("/") + 1 :] in _MARKS_OF_ZARR for name in names):
         return []
     from dropflow.frames.zarr_store import zarr_roots
 
