@@ -1,10 +1,10 @@
 """YAML or JSON documents read into strict models, with errors that name the field."""
 
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, get_args
 
 import yaml
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict, ValidationError, ValidationInfo, field_validator
 from pydantic_core import ErrorDetails
 
 from dropflow.errors import DropflowError, FieldProblem
@@ -13,9 +13,21 @@ Model = TypeVar("Model", bound=BaseModel)
 
 
 class StrictModel(BaseModel):
-    """A frozen document in which an unknown field or a non-finite number is an error."""
+    """A frozen document in which an unknown field, a non-finite number or `yes` for a number is an error."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, use_attribute_docstrings=True)
+
+    @field_validator("*", mode="before")
+    @classmethod
+    def _true_is_no_number(cls, value: Any, info: ValidationInfo) -> Any:
+        """Refuse what Pydantic would read as 1; a text such as "1e-3", which YAML makes of 1e-3, stays a number."""
+        if isinstance(value, bool) and not _takes_bool(cls.model_fields[str(info.field_name)].annotation):
+            raise ValueError("Neither true nor false (in YAML also yes, no, on, off) is meant here")
+        return value
+
+
+def _takes_bool(annotation: Any) -> bool:
+    return annotation in (bool, Any) or any(_takes_bool(part) for part in get_args(annotation))
 
 
 def parse(model: type[Model], content: Any, error: type[DropflowError], *, file: str | None = None) -> Model:

@@ -70,8 +70,8 @@ class Limits(BaseModel):
         extra="forbid", json_schema_extra={"examples": [{"max_bytes": 500_000_000_000, "max_active_runs": 4}]}
     )
 
-    max_bytes: Annotated[int, Field(ge=0, le=2**62)] | None
-    max_active_runs: Annotated[int, Field(ge=1, le=10_000)] | None
+    max_bytes: Annotated[int, Field(ge=0, le=2**62, strict=True)] | None
+    max_active_runs: Annotated[int, Field(ge=1, le=10_000, strict=True)] | None
 
 
 class Member(BaseModel):
@@ -104,7 +104,7 @@ class NewInvitation(BaseModel):
     model_config = ConfigDict(extra="forbid", json_schema_extra={"examples": [{"right": "edit", "days": 7}]})
 
     right: Right = Right.EDIT
-    days: Annotated[int, Field(ge=1, le=90)] = 7
+    days: Annotated[int, Field(ge=1, le=90, strict=True)] = 7
 
 
 class Invitation(BaseModel):

@@ -15,7 +15,7 @@ PREVIEW_TASK = "worker.preview"
 class Region(BaseModel):
     """A part of a frame, in pixels."""
 
-    model_config = ConfigDict(extra="forbid")
+    model_config = ConfigDict(extra="forbid", strict=True)
 
     x_px: int
     y_px: int

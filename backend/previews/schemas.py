@@ -12,7 +12,7 @@ class PreviewWish(BaseModel):
 
     model_config = ConfigDict(extra="forbid")
 
-    frame: int = Field(ge=0, le=2**31 - 1)
+    frame: int = Field(ge=0, le=2**31 - 1, strict=True)
     parameters: dict[str, Any] = {}
     region: Region | None = None
     """Only this part is looked at, which is quicker; without it the whole frame."""
@@ -25,7 +25,7 @@ class LinkWish(BaseModel):
 
     model_config = ConfigDict(extra="forbid")
 
-    frame: int = Field(ge=0, le=2**31 - 1)
+    frame: int = Field(ge=0, le=2**31 - 1, strict=True)
     parameters: dict[str, Any] = {}
 
 

@@ -12,7 +12,7 @@ class NewShare(BaseModel):
 
     model_config = ConfigDict(extra="forbid", json_schema_extra={"examples": [{"days": 30}]})
 
-    days: Annotated[int, Field(ge=1, le=365)] = 30
+    days: Annotated[int, Field(ge=1, le=365, strict=True)] = 30
 
 
 class Share(BaseModel):

@@ -19,7 +19,7 @@ class NewToken(BaseModel):
 
     name: Name
     scope: Scope = Scope.READ
-    days: Annotated[int, Field(ge=1, le=3660)] = 90
+    days: Annotated[int, Field(ge=1, le=3660, strict=True)] = 90
 
 
 class Token(BaseModel):

@@ -20,7 +20,7 @@ class Announced(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
     name: str
-    size_bytes: Annotated[int, Field(ge=0)]
+    size_bytes: Annotated[int, Field(ge=0, strict=True)]
     role: Role = Role.FRAMES
     sha256: Sha256 | None = None
     """If given, a file of this name and size that is there with another checksum is to be sent anew."""

@@ -18,7 +18,7 @@ from tests.services import ROOT
 
 # Streams that end with what they follow, which nobody ends here (tests/backend/test_events.py follows them); and what
 # waits for a worker, of which there is none here: it answers 503 after a while, as it says, and the minute is over.
-LEFT_OUT = "/(events|previews|suggestions|detection)(/|$)"
+LEFT_OUT = r"/(events|previews|suggestions|detection|prepared\.jpg)(/|$)"
 # What a schema cannot say (that a cursor must be of this list, a name of the material one that is known) is refused
 # with 422, and rightly so. This service is that of one machine, which lets all its programs in: who may do what is
 # asked of every call in tests/backend/test_rights.py.

@@ -151,6 +151,8 @@ def test_a_full_group_takes_nothing_more_before_it_is_sent(lab: Lab) -> None:
     admin = lab.browser(lab.administrator)
     limits = {"max_bytes": 1000, "max_active_runs": 1}
     assert admin.put(f"groups/{group}/limits", json=limits).json()["usage"]["max_bytes"] == 1000
+    wrong = admin.put(f"groups/{group}/limits", json=limits | {"max_bytes": False})
+    assert (wrong.status_code, wrong.json()["errors"][0]["field"]) == (422, "max_bytes")
     plan = {"files": [{"name": f"{n}.tif", "size_bytes": 400} for n in range(3)]}
     refused = ada.api.post(f"experiments/{made['id']}/uploads/plan", json=plan)
     assert (refused.status_code, refused.json()["code"]) == (413, "quota.bytes")

@@ -42,7 +42,7 @@ def test_a_missing_field_is_named(field: str) -> None:
     assert wrong_fields(**{field: None}) == [field]
 
 
-@pytest.mark.parametrize("value", [0, -1.0, "wide", float("nan"), float("inf")])
+@pytest.mark.parametrize("value", [0, -1.0, True, "wide", float("nan"), float("inf")])
 @pytest.mark.parametrize("field", ["pixel_size_um", "frame_interval_s"])
 def test_zero_negative_and_words_are_no_lengths_or_times(field: str, value: Any) -> None:
     assert wrong_fields(**{field: value}) == [field]
