@@ -82,7 +82,6 @@ function Story({
       />
       <Trace
         title="Match"
-        unit="levels"
         height={90}
         series={[{ name: "match", colour: RISE, values: droplet.match }]}
         {...plot}

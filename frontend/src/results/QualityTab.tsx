@@ -82,7 +82,7 @@ const PLOTS: QualityPlot[] = [
   {
     title: "Match and radius",
     about: "Mean match of detected droplets; mean relative uncertainty of the radius.",
-    axis: "match (levels)",
+    axis: "match",
     series: [{ name: "match", field: "match", colour: "#0072B2" }],
     right: {
       axis: "radius uncertainty (%)",

@@ -5,7 +5,7 @@ export type Series = { name: string; colour: string; values: readonly (number | 
 
 type TraceProps = {
   title: string;
-  unit: string;
+  unit?: string;
   x: readonly number[];
   series: Series[];
   /** Where a line across says "here". */
@@ -35,7 +35,7 @@ export function Trace({ title, unit, x, series, at, height = 110, onPick }: Trac
   return (
     <figure style={{ margin: 0 }}>
       <Text component="figcaption" fz="xs" fw={500}>
-        {title} ({unit})
+        {unit ? `${title} (${unit})` : title}
         {series.length > 1 &&
           series.map(({ name, colour, isDashed }) => <Key key={name} {...{ name, colour, isDashed }} />)}
       </Text>
@@ -44,7 +44,7 @@ export function Trace({ title, unit, x, series, at, height = 110, onPick }: Trac
         viewBox={`0 0 ${WIDTH} ${height}`}
         width="100%"
         role="img"
-        aria-label={`${title} over time, from ${formatNumber(low)} to ${formatNumber(high)} ${unit}`}
+        aria-label={`${title} over time, from ${formatNumber(low)} to ${formatNumber(high)}${unit ? ` ${unit}` : ""}`}
         onClick={onPick && pick}
         style={{ cursor: onPick ? "pointer" : undefined, display: "block" }}
       >
