@@ -32,8 +32,6 @@ MAX_ATTEMPTS = 8
 killed for reasons that are no shard's, so fewer would end runs that are sound."""
 MAX_ERRORS = 3
 """An error that nobody expected is not going to pass after so many."""
-_FRUITFUL_PARTS = 2
-"""Tracking that has saved its state so often since it was claimed gets somewhere, however often it is broken off."""
 _SHORTEST_RENEWAL_S = 0.5
 _RENEWAL_SHARE = 20
 """Where to renew takes long, for the database is busy with many workers, it is done as seldom as to take a twentieth of
@@ -165,7 +163,8 @@ class Lease:
         if is_first or is_due:
             self.pace.mark(n_done, time.monotonic(), is_last=is_last)
         if is_due:
-            is_fruitful = stage == "track" and done - self._begun_at > _FRUITFUL_PARTS * FRAMES_PER_PART
+            # Tracking that has saved its state since it was claimed gets somewhere, however often it is broken off.
+            is_fruitful = stage == "track" and done - self._begun_at > FRAMES_PER_PART
             self.renew(done_frames=int(n_done), is_fruitful=is_fruitful)
 
     def alive(self, stage: str, done: int, total: int) -> None:  # noqa: ARG002 - the contract's

@@ -23,6 +23,8 @@ from worker.fan_in import NewShard, advance, insert_shards, start_stage
 from worker.leases import Claim, LeaseLost, held, release
 from worker.plan import Task
 
+_UNCOUNTED = {"attempts": func.greatest(Shard.attempts - 1, 0)}
+"""Whoever gives a shard back says so: only those who fall silent use up its tries."""
 KEPT_S = 1800.0
 """So long a shard that gave way waits for the machine where its state is; then any may begin it anew."""
 
@@ -97,7 +99,7 @@ def let_go(context: Context, claim: Claim) -> None:
 def give_back(context: Context, claim: Claim) -> None:
     """Something that the work needs was away: somebody goes on, when the reconciler next asks."""
     with context.sessions.begin() as session:
-        release(session, *held(claim), values={"sent_at": None})
+        release(session, *held(claim), values=_UNCOUNTED | {"sent_at": None})
 
 
 def give_way(context: Context, claim: Claim) -> None:
@@ -107,9 +109,9 @@ def give_way(context: Context, claim: Claim) -> None:
         release(
             session,
             *held(claim),
-            values={
+            values=_UNCOUNTED
+            | {
                 "sent_at": None,
-                "attempts": func.greatest(Shard.attempts - 1, 0),
                 "done_frames": Shard.done_frames,
                 "started_at": func.clock_timestamp(),  # its person was served until now
                 "kept_on": context.machine,
@@ -122,14 +124,13 @@ def give_way(context: Context, claim: Claim) -> None:
 def give_back_after_error(context: Context, claim: Claim) -> None:
     """The work met an error that may pass: somebody tries again after a pause."""
     with context.sessions.begin() as session:
-        release(session, *held(claim), values={"sent_at": func.now(), "n_errors": Shard.n_errors + 1})
+        release(session, *held(claim), values=_UNCOUNTED | {"sent_at": func.now(), "n_errors": Shard.n_errors + 1})
 
 
 def give_back_all(context: Context, holders: str) -> int:
     """A worker stops: what its processes hold goes back, and the broken-off try does not count. Returns how many."""
     with context.sessions.begin() as session:
-        tries = {"attempts": func.greatest(Shard.attempts - 1, 0), "sent_at": None}
-        return release(session, Shard.holder.like(holders), values=tries)
+        return release(session, Shard.holder.like(holders), values=_UNCOUNTED | {"sent_at": None})
 
 
 def is_published(context: Context, prefix: str) -> bool:

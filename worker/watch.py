@@ -17,7 +17,7 @@ from backend.models.states import ShardState
 from backend.platform.reasons import reason_of
 from worker.context import Context, make_context
 from worker.heartbeat import end_silent
-from worker.leases import release
+from worker.leases import MAX_ATTEMPTS, release
 
 _LEASES = 2.0
 """A process that was silent for so many leases hangs."""
@@ -35,13 +35,17 @@ def watch(context: Context) -> None:
 
 
 def give_back_of_the_dead(context: Context) -> int:
-    """Give back what processes of this machine held that are no more. Returns how many shards."""
+    """Give back what processes of this machine held that are no more. Returns how many shards.
+
+    After the last try the lease runs out instead, and the reconciler ends the run with the cause.
+    """
     here = socket.gethostname()
     with context.sessions.begin() as session:
         query = select(Shard.holder).where(Shard.state == ShardState.RUNNING, Shard.holder.like(f"{here}:%"))
         holders = {str(holder) for holder in session.scalars(query)}
         dead = [holder for holder in holders if not _lives(holder)]
-        return release(session, Shard.holder.in_(dead), values={"sent_at": None}) if dead else 0
+        is_tried_again = Shard.attempts < MAX_ATTEMPTS
+        return release(session, Shard.holder.in_(dead), is_tried_again, values={"sent_at": None}) if dead else 0
 
 
 def _lives(holder: str) -> bool:

@@ -2,6 +2,7 @@
 
 import threading
 import time
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from datetime import timedelta
 from uuid import UUID
@@ -15,6 +16,7 @@ from backend.platform.database import Sessions, make_engine, make_sessions
 from dropflow.errors import Cancelled
 from tests.house import House, Json
 from worker import leases, outcomes
+from worker.context import Context
 from worker.leases import MAX_ATTEMPTS, Claim, Lease, LeaseLost, claim
 from worker.outcomes import NewProduct
 from worker.shards import look_at
@@ -195,6 +197,17 @@ def test_after_too_many_tries_nobody_claims(house: House, run: Json) -> None:
         assert taken.attempts == attempt
         _let_expire(house, shard_id)
     assert _claim(house, shard_id) is None
+
+
+@pytest.mark.parametrize("give_back", [outcomes.give_back, outcomes.give_back_after_error])
+def test_what_is_given_back_uses_up_no_try(
+    house: House, run: Json, give_back: Callable[[Context, Claim], None]
+) -> None:
+    shard_id = house.waiting("detect")[0]
+    for _ in range(MAX_ATTEMPTS + 1):
+        taken = _claim(house, shard_id)
+        assert taken is not None, "a shard that nobody may take would wait for ever"
+        give_back(house.context, taken)
 
 
 def test_a_worker_that_stops_gives_back_what_it_holds_and_the_try_does_not_count(house: House, run: Json) -> None:

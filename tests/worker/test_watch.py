@@ -9,13 +9,15 @@ from pathlib import Path
 from uuid import UUID
 
 import pytest
-from sqlalchemy import update
+from sqlalchemy import func, update
 
 from backend.models import Shard
 from backend.models.states import ShardState
 from tests.house import House, Json
 from worker.context import make_context
 from worker.heartbeat import at_work, end_silent
+from worker.leases import MAX_ATTEMPTS
+from worker.reconcile import reconcile
 from worker.shards import look_at
 from worker.watch import give_back_of_the_dead, watch
 
@@ -52,6 +54,19 @@ def test_what_a_dead_process_held_is_given_back_and_what_others_hold_is_not(hous
     states = {shard.id: (shard.state, shard.fence) for shard in house.shards(run)}
     assert states[lost] == (ShardState.QUEUED, 2)
     assert states[ours][0] == states[elsewhere][0] == ShardState.RUNNING
+
+
+def test_what_has_silenced_one_process_too_many_is_not_put_back_where_nobody_would_take_it(
+    house: House, run: Json
+) -> None:
+    (shard_id, *_) = house.waiting("detect")
+    _hold(house, shard_id, _dead_process())
+    with house.context.sessions.begin() as session:
+        past = {"attempts": MAX_ATTEMPTS, "lease_until": func.clock_timestamp()}
+        session.execute(update(Shard).where(Shard.id == shard_id).values(past))
+    assert give_back_of_the_dead(house.context) == 0
+    reconcile(house.context)
+    assert house.again(run)["problem"]["code"] == "run.worker_lost"
 
 
 def test_a_worker_that_died_while_nobody_looked_is_found_at_the_next_look(house: House, run: Json) -> None:
