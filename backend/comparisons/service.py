@@ -35,13 +35,13 @@ def askers(session: Session, viewer: Viewer, run_ids: Sequence[UUID]) -> list[As
     """Who asks for each run; a run that they may not see is not there."""
     found = [Asker(session, viewer, run_id) for run_id in run_ids]
     for asker in found:
-        asker.run()
+        asker.check()
     return found
 
 
 def comparison(asked: Sequence[Asker]) -> Comparison:
     """Everything but the figures themselves."""
-    runs = [asker.run() for asker in asked]
+    runs = [asker.run for asker in asked]
     rows = [_number(number, runs) for number in KEY_NUMBERS]
     return Comparison(
         runs=_shown(runs),
@@ -82,9 +82,9 @@ def _compared(
     """Those that have something for a figure, and those that have not, with the reason."""
     asked_for = FigureQuery(**query.model_dump(exclude={"run"}))
     compared, left_out = [], []
-    for asker, shown in zip(asked, _shown([asker.run() for asker in asked]), strict=True):
+    for asker, shown in zip(asked, _shown([asker.run for asker in asked]), strict=True):
         try:
-            facts = asker.facts()
+            facts = asker.facts
             found = findings(facts, results.condensed(asker, store, entry.needs, facts), asked_for)
         except NotYet:
             reason: str | None = LATER[entry.needs]
@@ -153,7 +153,7 @@ def _fields(documents: Sequence[dict[str, object]]) -> list[ComparedField]:
 
 
 def _entry(entry: ComparedEntry, asked: Sequence[Asker]) -> ComparisonFigureEntry:
-    is_available = any(entry.needs in asker.done() for asker in asked)
+    is_available = any(entry.needs in asker.done for asker in asked)
     return ComparisonFigureEntry(
         name=ComparisonFigureName(entry.name),
         title=entry.title,
@@ -169,7 +169,7 @@ def _parameters(entry: ComparedEntry, asked: Sequence[Asker]) -> list[FigurePara
     """With the range that holds those of all runs."""
     of_each = [
         [
-            shown_parameter(parameter, asker.facts(), asker.run().experiment.stack.duration_s or 0.0)
+            shown_parameter(parameter, asker.facts, asker.run.experiment.stack.duration_s or 0.0)
             for parameter in entry.parameters
         ]
         for asker in asked

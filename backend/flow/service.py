@@ -41,7 +41,7 @@ def over(asker: Asker, store: ObjectStore, from_s: float | None, to_s: float | N
 
 
 def _shown(asker: Asker, group: zarr.Group, first: int, last: int, *, is_every_cell_taken: bool) -> FlowMap:
-    pixel_size_um = parse_experiment(asker.run().document).pixel_size_um
+    pixel_size_um = parse_experiment(asker.run.document).pixel_size_um
     pieces = list(_pieces(first, last))
     steps = (
         (np.asarray(_array(group, "velocity_um_s")[piece]), np.asarray(_array(group, "is_interpolated")[piece]))

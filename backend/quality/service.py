@@ -89,9 +89,9 @@ def _trajectories(asker: Asker, store: ObjectStore, scope: Scope) -> dict[str, i
 
     None where nothing is limited, for then the summary of the run says it, and where the tables do not say it.
     """
-    if scope == Scope() or "analyse" not in asker.done():
+    if scope == Scope() or "analyse" not in asker.done:
         return None
-    pixel_um = asker.facts().experiment.pixel_size_um
+    pixel_um = asker.facts.experiment.pixel_size_um
     tracked, analysed = asker.product("track"), asker.product("analyse")
     try:
         with store.open(analysed.prefix + SUMMARY_FILE) as file:
@@ -109,7 +109,7 @@ def _trajectories(asker: Asker, store: ObjectStore, scope: Scope) -> dict[str, i
     )
     reasons = scope.trajectories(timed).group_by("reason").len().sort("reason")
     taken_out = {reason: n for reason, n in reasons.iter_rows() if reason}
-    every = dict.fromkeys((asker.run().summary or {}).get("n_rejected_trajectories", {}), 0)
+    every = dict.fromkeys((asker.run.summary or {}).get("n_rejected_trajectories", {}), 0)
     return {"kept": scope.trajectories(kept).height} | every | taken_out
 
 

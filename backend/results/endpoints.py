@@ -64,7 +64,7 @@ def figures_get(
     if frame is None:
         drawn = service.figure(asker, platform.store, request.app.state.kept, name, query)
         return Response(drawn, media_type="application/json")
-    experiment = asker.run().experiment
+    experiment = asker.run.experiment
     image = None
     if frame < (experiment.stack.n_frames or 0):
         image = read_frame(
@@ -147,7 +147,7 @@ def exports_get(request: Request, platform: PlatformDependency, asker: AskerDepe
         return downloads.answer(request, service.download(asker, platform.store, "flow.zarr.zip"))
     content = service.export(asker, platform.store, kind, platform.settings.work_dir)
     headers = {
-        "Content-Disposition": downloads.content_disposition(file_name(kind, asker.run().number)),
+        "Content-Disposition": downloads.content_disposition(file_name(kind, asker.run.number)),
         "X-Content-Type-Options": "nosniff",
     }
     return StreamingResponse(content, media_type=MEDIA_TYPE[kind], headers=headers)

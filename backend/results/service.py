@@ -51,41 +51,36 @@ class Asker:
     viewer: Viewer
     run_id: UUID
 
+    @cached_property
     def run(self) -> Run:
         """The run, looked up once a request."""
-        return self._run
-
-    @cached_property
-    def _run(self) -> Run:
         return get_run(self.session, self.viewer, self.run_id)
+
+    def check(self) -> None:
+        """Raise unless the viewer may see the run."""
+        _ = self.run
 
     def product(self, task: str, frame: int | None = None) -> Product:
         """What a task made, if it has."""
-        self.run()
+        self.check()
         found = repository.product(self.session, self.viewer, self.run_id, task, frame)
         if found is None:
             raise NotYet
         return found
 
+    @cached_property
     def done(self) -> frozenset[str]:
         """The tasks that have left something, as of this request."""
-        return self._done
-
-    @cached_property
-    def _done(self) -> frozenset[str]:
         return frozenset(repository.done(self.session, self.viewer, self.run_id))
 
+    @cached_property
     def facts(self) -> FilmFacts:
         """What statistics must know of the film, read once a request."""
-        return self._facts
-
-    @cached_property
-    def _facts(self) -> FilmFacts:
-        return film.facts_of(self.run(), self.shape())
+        return film.facts_of(self.run, self.shape())
 
     def shape(self) -> tuple[int, int]:
         """Rows and columns of the frames."""
-        stack = self.run().experiment.stack
+        stack = self.run.experiment.stack
         if stack.rows is None or stack.columns is None:
             raise NotYet
         return stack.rows, stack.columns
@@ -105,17 +100,17 @@ def flow(asker: Asker, store: ObjectStore, frame: int) -> FrameFlow:
 
 def catalogue(asker: Asker) -> list[FigureEntry]:
     """All figures, and which of them there are by now."""
-    run = asker.run()
+    run = asker.run
     stack = run.experiment.stack
     facts = film.facts_of(run, (stack.rows or 1, stack.columns or 1))
-    done = asker.done()
+    done = asker.done
     is_example_kept = "analyse" in done and _has(asker.product("analyse"), EXAMPLE_FILE)
     return entries(facts, done, duration_s=stack.duration_s or 0.0, is_example_kept=is_example_kept)
 
 
 def figure(asker: Asker, store: ObjectStore, kept: Kept, name: FigureName, query: FigureQuery) -> str:
     """A figure of the whole film, as Plotly JSON. Of a completed run it never changes: it is drawn once."""
-    if asker.run().state != RunState.COMPLETED:
+    if asker.run.state != RunState.COMPLETED:
         return _drawn(asker, store, name, query)
     key = (asker.run_id, name, query.model_dump_json(exclude_none=True))
     return kept.get(key, lambda: _drawn(asker, store, name, query))
@@ -162,7 +157,7 @@ def frame_figure(asker: Asker, store: ObjectStore, name: FigureName, query: Figu
 
 
 def _facts(asker: Asker, entry: Entry) -> FilmFacts:
-    facts = asker.facts()
+    facts = asker.facts
     if missing := entry.drawing.missing(facts):
         raise NotOfThisFilm(missing)
     return facts
@@ -175,7 +170,7 @@ def _findings(asker: Asker, store: ObjectStore, entry: Entry, query: FigureQuery
 
 def condensed(asker: Asker, store: ObjectStore, needs: Needs, facts: FilmFacts) -> Condensed:
     """What the analysis left, or while it is not complete what the stages before have counted."""
-    done = asker.done()
+    done = asker.done
     if "analyse" in done and _has(analysed := asker.product("analyse"), STATISTICS_FILE):
         return film.stored(store, analysed)
     # Runs of the first version have left no statistics: of them there is what was counted while they went.
@@ -192,8 +187,8 @@ def condensed(asker: Asker, store: ObjectStore, needs: Needs, facts: FilmFacts) 
 
 def exports(asker: Asker) -> list[Export]:
     """The forms in which results can be had."""
-    run = asker.run()
-    is_available = "analyse" in asker.done()
+    run = asker.run
+    is_available = "analyse" in asker.done
     return [
         Export(
             kind=kind,
@@ -226,14 +221,14 @@ def _has(product: Product, name: str) -> bool:
 
 def files(asker: Asker) -> list[ResultFile]:
     """What there is to download so far."""
-    asker.run()
+    asker.check()
     found = repository.products(asker.session, asker.viewer, asker.run_id)
     return [ResultFile.model_validate(file) for product in found for file in product.files]
 
 
 def download(asker: Asker, store: ObjectStore, name: str) -> Download:
     """A file to be streamed. What is published never changes, so that its place is its tag."""
-    asker.run()
+    asker.check()
     for product in repository.products(asker.session, asker.viewer, asker.run_id):
         for file in product.files:
             if file["name"] == name:

@@ -44,9 +44,9 @@ def _timed(
 ) -> StackIndex:
     document = parse_experiment(experiment.document)
     logs = repository.places(session, viewer, experiment.id, Role.TEMPERATURE_LOG)
-    if not logs:
+    place = logs.get(document.temperature_log or "")
+    if place is None:
         return index.timed(document)
-    place = next(iter(logs.values()))
     try:
         with store.open_place(place) as log:
             return index.timed(document, log)

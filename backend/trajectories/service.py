@@ -29,7 +29,7 @@ def trajectory(asker: Asker, store: ObjectStore, trajectory_id: int) -> Trajecto
     rows = tables.one(store, product, trajectory_id)
     if len(rows) == 0:
         raise NoSuchTrajectory
-    experiment = parse_experiment(asker.run().document)
+    experiment = parse_experiment(asker.run.document)
     r_std_px = tables.values(rows, "r_std_px")
     same = ("frame", "time_s", "x_px", "y_px", "r_um", "match", "probability", "is_detected", "u_um_s", "v_um_s")
     return Trajectory(

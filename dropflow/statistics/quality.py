@@ -26,10 +26,11 @@ _COLUMNS = [
 
 
 @dataclass(frozen=True)
-class FrameQuality:
-    """Sums over the droplets of each frame, shape (n_frames,): sums of frames are sums again, so that they coarsen."""
+class _QualitySums:
+    """Sums over the droplets of frames: sums of these are sums again, so that they coarsen."""
 
     time_s: Floats
+    """Mean time of the frames, one a frame or column of frames."""
     n_detected: Integers
     """Droplets that detection found."""
     n_tracked: Integers
@@ -46,9 +47,17 @@ class FrameQuality:
     n_residuals: Integers
 
 
+_SUMS = tuple(field.name for field in fields(_QualitySums) if field.name != "time_s")
+
+
 @dataclass(frozen=True)
-class QualityByRadius:
-    """The same sums by radius, shape (n_columns, n_bins); a column of a long film is a few neighbouring frames."""
+class FrameQuality(_QualitySums):
+    """Over all radii, each of shape (n_frames,), or (n_columns,) where neighbouring frames are summed up."""
+
+
+@dataclass(frozen=True)
+class QualityByRadius(_QualitySums):
+    """By radius, sums of shape (n_columns, n_bins); a column of a long film is a few neighbouring frames."""
 
     edges_um: Floats
     """Edges of the radius bins, shape (n_bins + 1,)."""
@@ -56,24 +65,11 @@ class QualityByRadius:
     """First frame of each column, shape (n_columns,)."""
     n_frames: Integers
     """Frames of each column, shape (n_columns,)."""
-    time_s: Floats
-    """Mean time of its frames, shape (n_columns,)."""
-    n_detected: Integers
-    n_tracked: Integers
-    n_predicted: Integers
-    match_sum: Floats
-    radius_std_sum: Floats
-    n_radius_std: Integers
-    residual_squared_sum_px: Floats
-    n_residuals: Integers
 
     def within(self, scope: Scope) -> FrameQuality:
         """The sums of each column over the bins whose middles lie inside the scope's radii."""
         bins = scope.bins(self.edges_um)
         return FrameQuality(self.time_s, **{name: getattr(self, name)[:, bins].sum(axis=1) for name in _SUMS})
-
-
-_SUMS = tuple(field.name for field in fields(FrameQuality) if field.name != "time_s")
 
 
 def film_quality(
