@@ -6,8 +6,8 @@ import cv2
 import numpy as np
 from sqlalchemy.orm import Session
 
-from backend.models import Experiment, File, Product, Run, Shard, Stack, Stage
-from backend.models.states import RunState, ShardState, StackState, StageState
+from backend.models import File, Product, Run, Shard, Stage
+from backend.models.states import ShardState, StageState
 from backend.people.service import LOCAL_GROUP_ID
 from backend.platform.object_store import QUALITY_BY_RADIUS_FILE, QUALITY_FILE, ObjectStore, product_prefix
 from backend.platform.packing import pack
@@ -15,6 +15,7 @@ from benchmarks.statistics_speed import HEIGHT_PX, WIDTH_PX
 from dropflow.results import Results
 from dropflow.statistics.histograms import radius_edges_um
 from dropflow.statistics.quality import film_quality
+from tests.completed import completed_run
 
 STAGES = ("detect", "track", "analyse")
 
@@ -23,34 +24,19 @@ def keep_run(session: Session, results: Results) -> Run:
     """An experiment whose frames are ready, and a run of it that is through with every stage."""
     n_frames = results.n_frames
     document = results.provenance["experiment"] | {"name": f"{n_frames} frames"}
-    stack = Stack(
-        state=StackState.READY,
-        n_frames=n_frames,
-        rows=HEIGHT_PX,
-        columns=WIDTH_PX,
-        dtype="uint8",
-        duration_s=n_frames - 1.0,
-        checksum="0" * 64,
-    )
-    experiment = Experiment(group_id=LOCAL_GROUP_ID, document=document, stack=stack)
-    session.add(experiment)
-    session.flush()
-    run = Run(
-        experiment_id=experiment.id,
-        number=1,
-        state=RunState.COMPLETED,
+    return completed_run(
+        session,
+        LOCAL_GROUP_ID,
+        document,
+        (HEIGHT_PX, WIDTH_PX),
+        n_frames,
         parameters=results.provenance["parameters"],
-        document=document,
-        version="0",
         summary={**results.summary, "duration_s": n_frames - 1.0},
         stages=[
             Stage(name=name, position=position, state=StageState.COMPLETED, total_frames=n_frames)
             for position, name in enumerate(STAGES)
         ],
     )
-    session.add(run)
-    session.flush()
-    return run
 
 
 def keep_product(session: Session, run: Run, task: str, frames: range, names: list[str]) -> Product:

@@ -1,6 +1,7 @@
 """Hosts for benchmarks: network namespaces of this machine, joined by a bridge that lies in the server's own.
 
-Nothing is opened to any other machine, and nothing of it is left afterwards. It needs Linux, root and iproute2.
+Nothing is opened to any other machine. Nothing of it is left afterwards, ended by a signal or not; what one that was
+killed has left, the next takes away. It needs Linux, root and iproute2.
 """
 
 import ctypes
@@ -11,8 +12,11 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
+from deploy.local.signals import StopRequested, stop_on_signals
+
 LOOPBACK = "127.0.0.1"
 _NET = "10.99.0"
+_NAMESPACES = Path("/run/netns")
 _NEW_NETWORK = 0x40000000
 
 
@@ -32,18 +36,33 @@ def network(n_hosts: int) -> Iterator[Network]:
         return
     if os.geteuid() != 0:
         raise SystemExit("Hosts are network namespaces, which need root: leave --hosts out, or run it as root.")
+    _remove_left_over()
     server = f"df-{os.getpid()}"
     names = [f"{server}-{number}" for number in range(1, n_hosts + 1)]
     here = os.open("/proc/self/ns/net", os.O_RDONLY)
-    try:
-        _make(server, names)
-        _enter(os.open(f"/run/netns/{server}", os.O_RDONLY))
-        yield Network(f"{_NET}.1", tuple(("ip", "netns", "exec", name) for name in names))
-    finally:
-        _enter(here)
-        for name in (*names, server):
-            if Path("/run/netns", name).exists():
-                _ip("netns", "delete", name)
+    with stop_on_signals():
+        try:
+            _make(server, names)
+            _enter(os.open(_NAMESPACES / server, os.O_RDONLY))
+            yield Network(f"{_NET}.1", tuple(("ip", "netns", "exec", name) for name in names))
+        except StopRequested:
+            raise SystemExit("Ended by a signal.") from None
+        finally:
+            _enter(here)
+            _remove(*names, server)
+
+
+def _remove_left_over() -> None:
+    """The namespaces of processes that are no more."""
+    for path in _NAMESPACES.glob("df-*"):
+        if not Path("/proc", path.name.split("-")[1]).exists():
+            _remove(path.name)
+
+
+def _remove(*names: str) -> None:
+    for name in names:
+        if Path(_NAMESPACES, name).exists():
+            _ip("netns", "delete", name)
 
 
 def _make(server: str, names: Sequence[str]) -> None:

@@ -15,14 +15,14 @@ from uuid import UUID
 
 import httpx
 
-from backend.models import ApiToken, BrowserSession, Experiment, Group, Membership, Right, Run, Scope, ShareLink, Stack
-from backend.models.states import RunState, StackState
+from backend.models import ApiToken, BrowserSession, Group, Membership, Right, Scope, ShareLink
 from backend.people import service
 from backend.people.administrator import administrator
 from backend.platform.database import make_engine, make_sessions
 from backend.platform.identity import session_cookie, share_cookie
 from backend.platform.secrets import hashed, new_secret
 from backend.platform.settings import Settings
+from tests.completed import completed_run
 from tests.films import EXPERIMENT
 from tests.house import House, open_house
 
@@ -113,22 +113,8 @@ class Lab:
     def finished(self, group_id: UUID) -> tuple[UUID, UUID]:
         """The rows of an experiment and of a run that completed, without any frames or results: (experiment, run)."""
         with self.house.context.sessions.begin() as session:
-            stack = Stack(state=StackState.READY, n_frames=4, rows=64, columns=64, dtype="uint8", checksum="0" * 64)
-            experiment = Experiment(group_id=group_id, document=EXPERIMENT, stack=stack)
-            session.add(experiment)
-            session.flush()
-            run = Run(
-                experiment_id=experiment.id,
-                number=1,
-                state=RunState.COMPLETED,
-                parameters={},
-                document=EXPERIMENT,
-                version="test",
-                stages=[],
-            )
-            session.add(run)
-            session.flush()
-            return experiment.id, run.id
+            run = completed_run(session, group_id, EXPERIMENT, (64, 64), 4)
+            return run.experiment_id, run.id
 
 
 @contextmanager

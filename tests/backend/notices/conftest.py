@@ -7,28 +7,18 @@ import httpx
 import pytest
 
 from backend.models import Notice, Right
-from deploy.local.postgres import Postgres
-from deploy.local.valkey import Valkey
-from tests.house import house_settings
+from tests.houses import SettingsOf
 from tests.lab import Lab, lab_settings, open_lab
 from tests.receiver import MailServer, Receiver, running_mail_server, running_receiver
-from tests.services import database
 
 HERE = ("127.0.0.0/8",)
 
 
 @pytest.fixture(scope="module")
-def open_door(
-    postgres_server: Postgres,
-    migrated_template: str,
-    valkey_server: Valkey,
-    tmp_path_factory: pytest.TempPathFactory,
-) -> Iterator[Lab]:
+def open_door(settings_of: SettingsOf) -> Iterator[Lab]:
     """A service that may send to this machine."""
-    with database(postgres_server, template=migrated_template) as url:
-        settings = house_settings(url, valkey_server.url(5), tmp_path_factory.mktemp("door"))
-        with open_lab(lab_settings(settings, outward_networks=HERE)) as opened:
-            yield opened
+    with settings_of("door", 5) as settings, open_lab(lab_settings(settings, outward_networks=HERE)) as opened:
+        yield opened
 
 
 @pytest.fixture
