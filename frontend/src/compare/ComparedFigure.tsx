@@ -1,12 +1,10 @@
-import { Anchor, Group, Text } from "@mantine/core";
-import { IconTableDown } from "@tabler/icons-react";
+import { Text } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import type { ComparisonFigureEntry, ComparisonFigureName } from "../client";
 import { apiUrl } from "../platform/base";
-import { Panel } from "../platform/Panel";
-import { Prose } from "../platform/Prose";
 import { Loading, QueryView } from "../platform/QueryView";
 import { askedOf, askedQuery } from "../results/asked";
+import { FigurePanel, TableLink } from "../results/FigurePanel";
 import type { Figure } from "../results/figure";
 import { Plot } from "../results/Plot";
 import { useComparison } from "./address";
@@ -23,49 +21,37 @@ export function ComparedFigure({ entry }: { entry: ComparisonFigureEntry }) {
   const query = useQuery({ ...comparedFigureQuery(runs, entry.name, asked), enabled: entry.is_available });
   const height = HEIGHTS[entry.name] ?? 440;
   return (
-    <Panel
-      title={entry.title}
-      about={<Prose text={entry.how} />}
+    <FigurePanel
+      entry={entry}
       actions={
         entry.is_available && (
-          <Anchor
-            fz="sm"
+          <TableLink
+            title={entry.title}
             href={tableUrl(entry.name, runs, askedQuery(asked))}
-            download={`compared-${entry.name}.csv`}
-          >
-            <Group gap={4} wrap="nowrap">
-              <IconTableDown size={16} aria-hidden />
-              Table
-            </Group>
-          </Anchor>
+            fileName={`compared-${entry.name}.csv`}
+          />
         )
       }
     >
-      {entry.is_available ? (
-        <QueryView query={query} loading={<Loading rows={1} height={height} />}>
-          {(figure) => (
-            <>
-              <Plot
-                figure={figure as unknown as Figure}
-                label={entry.title}
-                height={height}
-                ranges={ranges}
-                onRanges={zoom}
-              />
-              {leftOut(figure as unknown as Figure).map(({ run, label, reason }) => (
-                <Text key={run} fz="sm" c="dimmed">
-                  Without {label}: {reason}
-                </Text>
-              ))}
-            </>
-          )}
-        </QueryView>
-      ) : (
-        <Text fz="sm" c="dimmed">
-          {entry.reason}
-        </Text>
-      )}
-    </Panel>
+      <QueryView query={query} loading={<Loading rows={1} height={height} />}>
+        {(figure) => (
+          <>
+            <Plot
+              figure={figure as unknown as Figure}
+              label={entry.title}
+              height={height}
+              ranges={ranges}
+              onRanges={zoom}
+            />
+            {leftOut(figure as unknown as Figure).map(({ run, label, reason }) => (
+              <Text key={run} fz="sm" c="dimmed">
+                Without {label}: {reason}
+              </Text>
+            ))}
+          </>
+        )}
+      </QueryView>
+    </FigurePanel>
   );
 }
 

@@ -1,14 +1,12 @@
-import { Anchor, Badge, Box, Group, Text } from "@mantine/core";
-import { IconTableDown } from "@tabler/icons-react";
+import { Badge, Box, Group } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { useRef } from "react";
 import type { FigureEntry, Run } from "../client";
 import { apiUrl } from "../platform/base";
-import { Panel } from "../platform/Panel";
-import { Prose } from "../platform/Prose";
 import { Loading, QueryView } from "../platform/QueryView";
 import { useInSight } from "../platform/sight";
 import { type Asked, askedOf, askedQuery } from "./asked";
+import { FigurePanel, TableLink } from "./FigurePanel";
 import type { Figure, RangeChange, Ranges } from "./figure";
 import { NotYet } from "./NotYet";
 import { Plot } from "./Plot";
@@ -31,39 +29,26 @@ export function FigureCard({ run, entry, ranges, onRanges, more, height = 420, .
   const isSeen = useInSight(place);
   const query = useQuery({ ...figureQuery(run, entry.name, asked), enabled: isSeen && entry.is_available });
   return (
-    <Panel
-      title={entry.title}
-      about={<Prose text={entry.how} />}
-      actions={<PaperAndTable run={run} entry={entry} asked={asked} />}
-    >
-      {entry.is_available ? (
-        <div ref={place}>
-          <QueryView
-            query={query}
-            loading={isSeen ? <Loading rows={1} height={height} /> : <Box h={height} />}
-          >
-            {(figure) =>
-              figure ? (
-                <Plot
-                  figure={figure as unknown as Figure}
-                  label={entry.title}
-                  height={height}
-                  ranges={ranges}
-                  onRanges={onRanges}
-                  {...plot}
-                />
-              ) : (
-                <NotYet run={run} />
-              )
-            }
-          </QueryView>
-        </div>
-      ) : (
-        <Text fz="sm" c="dimmed">
-          {entry.reason}
-        </Text>
-      )}
-    </Panel>
+    <FigurePanel entry={entry} actions={<PaperAndTable run={run} entry={entry} asked={asked} />}>
+      <div ref={place}>
+        <QueryView query={query} loading={isSeen ? <Loading rows={1} height={height} /> : <Box h={height} />}>
+          {(figure) =>
+            figure ? (
+              <Plot
+                figure={figure as unknown as Figure}
+                label={entry.title}
+                height={height}
+                ranges={ranges}
+                onRanges={onRanges}
+                {...plot}
+              />
+            ) : (
+              <NotYet run={run} />
+            )
+          }
+        </QueryView>
+      </div>
+    </FigurePanel>
   );
 }
 
@@ -77,17 +62,11 @@ export function PaperAndTable({ run, entry, asked }: { run: Run; entry: FigureEn
         </Badge>
       )}
       {entry.has_table && entry.is_available && (
-        <Anchor
-          fz="sm"
+        <TableLink
+          title={entry.title}
           href={apiUrl(["runs", run.id, "figures", entry.name, "table.csv"], askedQuery(asked))}
-          aria-label={`Table: ${entry.title}`}
-          download={`${entry.name}-run-${run.number}.csv`}
-        >
-          <Group gap={4} wrap="nowrap">
-            <IconTableDown size={16} aria-hidden />
-            Table
-          </Group>
-        </Anchor>
+          fileName={`${entry.name}-run-${run.number}.csv`}
+        />
       )}
     </Group>
   );

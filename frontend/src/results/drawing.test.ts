@@ -5,7 +5,8 @@ import { expect, it, vi } from "vitest";
 import type { Run } from "../client";
 import { client } from "../client/client.gen";
 import { drawingIn } from "./drawing";
-import { type Figure, type Look, type RangeChange, type Ranges, rangesFromRelayout } from "./figure";
+import { type Figure, type RangeChange, type Ranges, rangesFromRelayout } from "./figure";
+import type { Look } from "./fitting";
 import { figureQuery } from "./queries";
 import { useTogether } from "./together";
 

@@ -1,5 +1,6 @@
 /** A figure in its element: drawn anew where it changed, moved where only its ranges did, left alone where it shows them. */
-import { type Figure, fitted, isAxis, type Layout, type Look, sharedAxis } from "./figure";
+import { type Figure, isAxis, type Layout, sharedAxis } from "./figure";
+import { fitted, type Look } from "./fitting";
 import { inPixels } from "./pixels";
 
 type Json = Record<string, unknown>;

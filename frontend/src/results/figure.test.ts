@@ -1,5 +1,6 @@
 import { describe, expect, it } from "vitest";
-import { captionOf, type Figure, fitted, rangesFromRelayout, withCommonColours } from "./figure";
+import { captionOf, type Figure, rangesFromRelayout, withCommonColours } from "./figure";
+import { fitted } from "./fitting";
 
 const LOOK = { isDark: false, height: 400, width: 900 };
 

@@ -1,5 +1,6 @@
 import { expect, it } from "vitest";
-import { type Figure, fitted, marksFrom, momentAt } from "./figure";
+import { type Figure, marksFrom, momentAt } from "./figure";
+import { fitted } from "./fitting";
 
 const packed = (values: number[]) => ({
   dtype: "f8",

@@ -1,5 +1,6 @@
 import { expect, it } from "vitest";
-import { type Figure, fitted, type Json, rangesFromRelayout } from "./figure";
+import { type Figure, type Json, rangesFromRelayout } from "./figure";
+import { fitted } from "./fitting";
 import { inPixels } from "./pixels";
 
 const map = (x: number[], z: (number | null)[][]): Figure => ({

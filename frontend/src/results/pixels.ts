@@ -3,7 +3,8 @@
  * one pixel a cell and lets the browser stretch them; else it paints rectangle by rectangle, ten times slower. The bins
  * of radius are of one size in log r: so the axis becomes one of log r, labelled with r.
  */
-import { type Figure, type Json, type Layout, numbers, rows, type Trace } from "./figure";
+import type { Figure, Json, Layout, Trace } from "./figure";
+import { numbers, rows } from "./numbers";
 
 /** Cells whose sizes differ by less than this share are of one size. */
 const SAME_SHARE = 0.005;

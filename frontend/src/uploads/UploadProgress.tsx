@@ -3,7 +3,8 @@ import type { ReactNode } from "react";
 import { formatBytes, formatCount, formatDuration, plural } from "../platform/format";
 import { ProblemAlert } from "../platform/ProblemAlert";
 import { ServerAway } from "./ServerAway";
-import type { Progress, UploadState } from "./Upload";
+import type { Progress } from "./tally";
+import type { UploadState } from "./Upload";
 
 const TITLES: Record<UploadState["phase"], string> = {
   sending: "Uploading",
