@@ -3,10 +3,11 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.linalg import lapack
 
 from dropflow.tracking.grid import Column
 from dropflow.tracking.probable.least_squares import Model, Observations, Sums, normal_equations, weights
-from dropflow.tracking.probable.regression import inverse_of, solve
+from dropflow.tracking.probable.regression import solve
 from dropflow.tracking.probable.spectrum import Spectrum
 from dropflow.tracking.probable.waves import Matrix
 
@@ -49,9 +50,8 @@ def _of_step(step: Observations, model: Model, log_slopes: Matrix) -> Evidence:
     points = model.waves.at(step.x_px, step.y_px)
     weight = weights(step, model.spectrum.noise_um_s)
     matrix, vector = normal_equations(Sums.over(step, points, weight), model)
-    factor, whitened = solve(matrix, vector, model.prior)
-    inverse, root = inverse_of(factor), np.sqrt(model.prior)
-    amplitudes = inverse @ (root * vector)  # in units of the prior
+    factor, whitened = solve(matrix, vector)
+    amplitudes, _ = lapack.dtrtrs(factor, whitened, lower=1, trans=1)  # in units of the prior
     value_along = step.along_um_s - model.factor_mean * step.sedimentation_um_s
     values = np.stack([step.across_um_s, value_along])
     noise = model.spectrum.noise_um_s**2
@@ -60,34 +60,37 @@ def _of_step(step: Observations, model: Model, log_slopes: Matrix) -> Evidence:
     # The slope with the noise: squares of residuals and of the flow's error, weighted with the square of the weights.
     twice = weight**2 / np.maximum(step.weight, _LEAST_WEIGHT)
     matrix_2, vector_2 = normal_equations(Sums.over(step, points, twice), model)
-    unscaled = root * amplitudes
-    residual = (twice * values**2).sum() - 2 * unscaled @ vector_2 + unscaled @ matrix_2 @ unscaled
-    slope_noise = (residual + root @ (inverse * matrix_2) @ root - weight.sum()) / 2
-    slope_prior = log_slopes @ (amplitudes**2 + np.diag(inverse) - 1) / 2
+    # Of both matrices the upper triangle is given: what is off the diagonal counts twice.
+    covariance = lapack.dpotri(factor, lower=1, overwrite_c=1)[0].T
+    diagonal, diagonal_2 = np.diag(covariance), np.diag(matrix_2)
+    residual = (twice * values**2).sum() + amplitudes @ (2 * (matrix_2 @ amplitudes - vector_2) - diagonal_2 * amplitudes)
+    spread = 2 * np.vdot(covariance, matrix_2) - diagonal @ diagonal_2
+    slope_noise = (residual + spread - weight.sum()) / 2
+    slope_prior = log_slopes @ (amplitudes**2 + diagonal - 1) / 2
     per_log = 2 * noise
     share = per_log * float(twice.sum() / max(weight.sum(), _LEAST_WEIGHT))
     return Evidence(
         float(value),
         np.append(slope_prior, slope_noise * per_log),
-        _information(inverse, log_slopes, share, 2 * len(step)),
+        _information(covariance, log_slopes, share, 2 * len(step)),
     )
 
 
-def _information(inverse: Matrix, log_slopes: Matrix, noise_share: float, n_values: int) -> Matrix:
+def _information(covariance: Matrix, log_slopes: Matrix, noise_share: float, n_values: int) -> Matrix:
     """Half the trace of K^-1 dK K^-1 dK', K being the covariance of all velocities.
 
     All observations are taken to have the same share of noise in their variance: it decides how fast the top is found,
-    not where it is.
+    not where it is. Of `covariance` the upper triangle is given.
     """
-    squares = inverse**2
-    diagonal = np.diag(inverse)
+    squares, diagonal = covariance**2, np.diag(covariance)
     information = np.empty((N_PARAMETERS, N_PARAMETERS))
-    learnt = squares.copy()  # of 1 - inverse, element by element
-    learnt[np.diag_indices_from(learnt)] = (1 - diagonal) ** 2
-    information[:_NOISE, :_NOISE] = log_slopes @ learnt @ log_slopes.T
-    with_noise = noise_share * (log_slopes @ (diagonal - squares.sum(axis=1)))
+    # Slopes times the squares of 1 - covariance, element by element, times slopes.
+    half = log_slopes @ squares @ log_slopes.T
+    information[:_NOISE, :_NOISE] = half + half.T + log_slopes * (1 - 2 * diagonal - diagonal**2) @ log_slopes.T
+    of_rows = squares.sum(axis=0) + squares.sum(axis=1) - diagonal**2
+    with_noise = noise_share * (log_slopes @ (diagonal - of_rows))
     information[_NOISE, :_NOISE] = information[:_NOISE, _NOISE] = with_noise
-    information[_NOISE, _NOISE] = noise_share**2 * max(n_values - len(inverse) + squares.sum(), 1.0)
+    information[_NOISE, _NOISE] = noise_share**2 * max(n_values - len(squares) + of_rows.sum(), 1.0)
     return information / 2
 
 

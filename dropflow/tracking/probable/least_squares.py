@@ -114,13 +114,16 @@ class Sums:
 
 
 def normal_equations(sums: Sums, model: Model) -> tuple[Matrix, Column]:
-    """Normal matrix and right hand side of the weighted least squares, without the prior."""
-    n_unknowns, error = len(model.prior), model.factor_mean
-    matrix, vector = np.zeros((n_unknowns, n_unknowns)), np.zeros(n_unknowns)
+    """Normal matrix and right hand side of the weighted least squares, without the prior.
+
+    Unknowns are in units of their prior standard deviation. Of the matrix only the upper triangle is filled in, which
+    in memory is the lower one of LAPACK's.
+    """
+    root, error = np.sqrt(model.prior), model.factor_mean
+    matrix, vector = np.zeros((len(root), len(root))), np.zeros(len(root))
     across, along, sinking, squares, value_across, value_along, value_sinking, _ = sums.common.tolist()
     vector[:N_COMMON] = value_across, value_along - error * sinking, value_sinking - error * squares
-    matrix[0, 0], matrix[1, 1], matrix[2, 2] = across, along, squares
-    matrix[1, 2] = matrix[2, 1] = sinking
+    matrix[0, 0], matrix[1, 1], matrix[2, 2], matrix[1, 2] = across, along, squares, sinking
     ones = sums.pairs[:, model.waves.single_among_pairs]
     values = np.stack([sums.singles[1], sums.singles[2] - error * sums.singles[0]])
     rows = np.concatenate([ones, sums.singles[:1]])
@@ -129,16 +132,16 @@ def normal_equations(sums: Sums, model: Model) -> tuple[Matrix, Column]:
         cosines, sines = model.waves_of(kind)
         vector[cosines], vector[sines] = of_waves.real, of_waves.imag
         matrix[:N_COMMON, cosines], matrix[:N_COMMON, sines] = of_rows.real, of_rows.imag
-    matrix[N_COMMON:, :N_COMMON] = matrix[:N_COMMON, N_COMMON:].T
-    put_products(matrix, sums.pairs, *model.waves.pairs, model.directions_of_kinds)
-    return matrix, vector
+    matrix[:N_COMMON] *= root[:N_COMMON, None] * root
+    _put_products(matrix, root, sums.pairs, *model.waves.pairs, model.directions_of_kinds)
+    return matrix, root * vector
 
 
 @numba.njit(cache=True)
-def put_products(
-    matrix: Matrix, sums: Complex, minus: Indices, sign: Column, plus: Indices, directions: Matrix
+def _put_products(
+    matrix: Matrix, root: Column, sums: Complex, minus: Indices, sign: Column, plus: Indices, directions: Matrix
 ) -> None:  # pragma: no cover - compiled
-    """Fill in the part of the normal matrix in which waves meet waves.
+    """Fill in the part of the normal matrix in which waves meet waves, above the diagonal.
 
     `sums` has a row for the weights across `up` and one for those along it; see `Waves.pairs`.
     """
@@ -146,15 +149,18 @@ def put_products(
     for one in range(n_kinds):
         for i in range(n_waves):
             row = N_COMMON + 2 * one * n_waves + i
-            for two in range(n_kinds):
-                for j in range(n_waves):
+            for two in range(one, n_kinds):
+                for j in range(i if two == one else 0, n_waves):
                     column = N_COMMON + 2 * two * n_waves + j
                     across = directions[one, 0, i] * directions[two, 0, j]
                     along = directions[one, 1, i] * directions[two, 1, j]
                     difference = across * sums[0, minus[i, j]] + along * sums[1, minus[i, j]]
                     total = across * sums[0, plus[i, j]] + along * sums[1, plus[i, j]]
                     turned = sign[i, j] * difference.imag
-                    matrix[row, column] = (difference.real + total.real) / 2
-                    matrix[row, column + n_waves] = (total.imag - turned) / 2
-                    matrix[row + n_waves, column] = (total.imag + turned) / 2
-                    matrix[row + n_waves, column + n_waves] = (difference.real - total.real) / 2
+                    scale = root[row] * root[column] / 2  # sines have the prior of their cosines
+                    # Within a kind sine with cosine is below the diagonal; above it stands its mirror image.
+                    low, high = (column, row + n_waves) if one == two else (row + n_waves, column)
+                    matrix[row, column] = scale * (difference.real + total.real)
+                    matrix[row, column + n_waves] = scale * (total.imag - turned)
+                    matrix[low, high] = scale * (total.imag + turned)
+                    matrix[row + n_waves, column + n_waves] = scale * (difference.real - total.real)

@@ -108,7 +108,7 @@ def sums_of(observations: Observations, model: Model) -> Sums:
 def regress_sums(sums: Sums, model: Model, *, like: WaveFlow | None = None) -> WaveFlow:
     """As `regress`."""
     matrix, vector = normal_equations(sums, model)
-    factor, whitened = solve(matrix, vector, model.prior)
+    factor, whitened = solve(matrix, vector)
     half_way, _ = lapack.dtrtrs(factor, whitened, lower=1, trans=1)
     amplitudes = np.asarray(np.sqrt(model.prior) * half_way)
     of_factor, _ = lapack.dtrtrs(factor, np.eye(N_COMMON, len(vector))[2], lower=1)
@@ -126,23 +126,13 @@ def _is_as_well_known(flow: WaveFlow, model: Model, weight: float) -> bool:
     return is_same and flow.n_since < _MOST_SINCE and abs(weight - flow.weight) < _SAME_WEIGHT * flow.weight
 
 
-def solve(matrix: Matrix, vector: Column, prior: Column) -> tuple[Matrix, Column]:
-    """Cholesky factor of I + sqrt(prior) matrix sqrt(prior), and its inverse times sqrt(prior) vector."""
-    root = np.sqrt(prior)
-    scaled = matrix * root[:, None] * root
-    scaled[np.diag_indices_from(scaled)] += 1
-    # The matrix is symmetric: its transpose lies in memory as LAPACK wants it.
-    factor, _ = lapack.dpotrf(scaled.T, lower=1, overwrite_a=1)
-    whitened, _ = lapack.dtrtrs(factor, root * vector, lower=1)
+def solve(matrix: Matrix, vector: Column) -> tuple[Matrix, Column]:
+    """Cholesky factor of I + matrix, as `normal_equations` gives it, in its place, and its inverse times the vector."""
+    matrix.flat[:: len(matrix) + 1] += 1
+    # The transpose of the upper triangle is the lower one, which lies in memory as LAPACK wants it.
+    factor, _ = lapack.dpotrf(matrix.T, lower=1, overwrite_a=1, clean=0)
+    whitened, _ = lapack.dtrtrs(factor, vector, lower=1)
     return factor, np.asarray(whitened)
-
-
-def inverse_of(factor: Matrix) -> Matrix:
-    """Covariance of the unknowns after the observations, in units of their prior, from the factor of `solve`."""
-    lower, _ = lapack.dpotri(factor, lower=1)
-    inverse = lower + lower.T
-    inverse[np.diag_indices_from(inverse)] /= 2
-    return np.asarray(inverse)
 
 
 def variance_series(factor: Matrix, model: Model) -> Complex:

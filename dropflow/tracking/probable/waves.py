@@ -133,12 +133,12 @@ class WavesAt:
 
     @cached_property
     def _along_x(self) -> Matrix:
-        """Cosines and sines for indices 0 .. 2 n_x, shape (2, 2 n_x + 1, n)."""
+        """Cosine and sine, in turn, for indices 0 .. 2 n_x, shape (2 (2 n_x + 1), n)."""
         return _harmonics(self.angle_x, 2 * self.waves.n_x)
 
     @cached_property
     def _along_y(self) -> Matrix:
-        """Cosines and sines for indices 0 .. 2 n_y."""
+        """The same for indices 0 .. 2 n_y."""
         return _harmonics(self.angle_y, 2 * self.waves.n_y)
 
     def vectors(self, weights: Matrix) -> Complex:
@@ -155,8 +155,7 @@ class WavesAt:
     def evaluate(self, folded: Matrix, fineness: int) -> Matrix:
         """Real parts of the sums of amplitude * exp(i k x), shape (m, n), for the m series that `fold` was given."""
         along_x, along_y = self._up_to(fineness)
-        rows = (folded @ along_x).reshape(len(folded) // len(along_y), *along_y.shape)
-        return np.asarray(np.einsum("mkn,kn->mn", rows, along_y))
+        return _contracted(folded @ along_x, along_y)
 
     def evaluate_on_grid(self, folded: Matrix, fineness: int) -> Matrix:
         """As `evaluate`, at all crossings of these columns (x) and rows (y): shape (m, n_rows, n_columns)."""
@@ -166,20 +165,13 @@ class WavesAt:
 
     def _up_to(self, fineness: int) -> tuple[Matrix, Matrix]:
         """Cosines and sines for indices up to `fineness` times n_x and n_y, in rows."""
-        rows_x, rows_y = fineness * self.waves.n_x + 1, fineness * self.waves.n_y + 1
-        along_x, along_y = self._along_x[:, :rows_x], self._along_y[:, :rows_y]
-        return np.concatenate(along_x), np.concatenate(along_y)
+        return self._along_x[: 2 * (fineness * self.waves.n_x + 1)], self._along_y[: 2 * (fineness * self.waves.n_y + 1)]
 
     def _sums(self, weights: Matrix, fineness: int) -> Complex:
         """Over indices -n_x .. n_x, 0 .. n_y times `fineness`; from real products, half as many as complex ones."""
         along_x, along_y = self._up_to(fineness)
-        weighted = np.concatenate(weights[:, None, :] * along_x)
-        products = (weighted @ along_y.T).reshape(len(weights), 2, len(along_x) // 2, 2, len(along_y) // 2)
-        cos_cos, cos_sin = products[:, 0, :, 0], products[:, 0, :, 1]
-        sin_cos, sin_sin = products[:, 1, :, 0], products[:, 1, :, 1]
-        right = (cos_cos - sin_sin) + 1j * (sin_cos + cos_sin)
-        left = (cos_cos + sin_sin) + 1j * (cos_sin - sin_cos)
-        return np.concatenate([left[:, :0:-1], right], axis=1).reshape(len(weights), -1)
+        weighted = (weights[:, None, :] * along_x).reshape(-1, weights.shape[1])
+        return _unfolded((weighted @ along_y.T).reshape(len(weights), len(along_x), len(along_y)))
 
 
 def fold(series: Complex) -> Matrix:
@@ -187,24 +179,57 @@ def fold(series: Complex) -> Matrix:
 
     These are the factors of products of cosines and sines along x and y, shape (m * 2 (n_y + 1), 2 (n_x + 1)).
     """
-    n_x = series.shape[1] // 2
-    right, left = series[:, n_x:], series[:, n_x::-1].copy()
-    left[:, 0] = 0
-    of_cosines_y = np.concatenate([right.real + left.real, left.imag - right.imag], axis=1)
-    of_sines_y = np.concatenate([-right.imag - left.imag, left.real - right.real], axis=1)
-    together = np.stack([of_cosines_y, of_sines_y], axis=1)
-    return np.ascontiguousarray(together.transpose(0, 1, 3, 2)).reshape(-1, 2 * (n_x + 1))
+    n_series, n_rows, n_columns = series.shape
+    n_x = n_rows // 2
+    folded = np.zeros((n_series, n_columns, 2, n_x + 1, 2))  # index along y, its cosine or sine, the same along x
+    right, left = series[:, n_x:].swapaxes(1, 2), series[:, n_x - 1 :: -1].swapaxes(1, 2)
+    folded[:, :, 0, :, 0], folded[:, :, 0, :, 1] = right.real, -right.imag
+    folded[:, :, 1, :, 0], folded[:, :, 1, :, 1] = -right.imag, -right.real
+    folded[:, :, 0, 1:, 0] += left.real
+    folded[:, :, 0, 1:, 1] += left.imag
+    folded[:, :, 1, 1:, 0] -= left.imag
+    folded[:, :, 1, 1:, 1] += left.real
+    return folded.reshape(2 * n_series * n_columns, 2 * (n_x + 1))
+
+
+@numba.njit(cache=True)
+def _unfolded(products: Matrix) -> Complex:  # pragma: no cover - compiled
+    """Sums over indices -n_x .. n_x, 0 .. n_y, flat, from those of products of cosines and sines along x and y."""
+    n_sums, n_x, n_y = len(products), products.shape[1] // 2 - 1, products.shape[2] // 2 - 1
+    sums = np.empty((n_sums, 2 * n_x + 1, n_y + 1), np.complex128)
+    for m in range(n_sums):
+        for x in range(n_x + 1):
+            for y in range(n_y + 1):
+                cos_cos, cos_sin = products[m, 2 * x, 2 * y], products[m, 2 * x, 2 * y + 1]
+                sin_cos, sin_sin = products[m, 2 * x + 1, 2 * y], products[m, 2 * x + 1, 2 * y + 1]
+                sums[m, n_x - x, y] = complex(cos_cos + sin_sin, cos_sin - sin_cos)
+                sums[m, n_x + x, y] = complex(cos_cos - sin_sin, sin_cos + cos_sin)
+    return sums.reshape(n_sums, -1)
+
+
+@numba.njit(cache=True)
+def _contracted(rows: Matrix, along_y: Matrix) -> Matrix:  # pragma: no cover - compiled
+    """Sums over the rows of `along_y` times as many rows each, shape (m, n)."""
+    n_y, n = along_y.shape
+    total = np.zeros((len(rows) // n_y, n))
+    for m in range(len(total)):
+        for k in range(n_y):
+            for point in range(n):
+                total[m, point] += rows[m * n_y + k, point] * along_y[k, point]
+    return total
 
 
 @numba.njit(cache=True)
 def _harmonics(angle: Column, greatest: int) -> Matrix:  # pragma: no cover - compiled
-    """Cosines and sines of 0 .. greatest times each angle, shape (2, greatest + 1, n)."""
+    """Cosine and sine, in turn, of 0 .. greatest times each angle, shape (2 (greatest + 1), n)."""
     n = len(angle)
-    both = np.empty((2, greatest + 1, n))
+    both = np.empty((2 * (greatest + 1), n))
+    both[0], both[1] = 1.0, 0.0
     for point in range(n):
-        cosine, sine = np.cos(angle[point]), np.sin(angle[point])
-        c, s = 1.0, 0.0
-        for k in range(greatest + 1):
-            both[0, k, point], both[1, k, point] = c, s
-            c, s = c * cosine - s * sine, s * cosine + c * sine
+        both[2, point], both[3, point] = np.cos(angle[point]), np.sin(angle[point])
+    for k in range(2, greatest + 1):
+        for point in range(n):
+            cosine, sine, c, s = both[2, point], both[3, point], both[2 * k - 2, point], both[2 * k - 1, point]
+            both[2 * k, point] = c * cosine - s * sine
+            both[2 * k + 1, point] = s * cosine + c * sine
     return both
