@@ -35,7 +35,7 @@ class Droplets:
 
     def __getitem__(self, which: npt.NDArray[np.bool_] | npt.NDArray[np.integer] | slice) -> "Droplets":
         """The droplets at a mask, at indices or in a slice."""
-        return Droplets(*(getattr(self, column.name)[which] for column in fields(self)))
+        return Droplets(*(getattr(self, name)[which] for name in self.__dataclass_fields__))
 
     @staticmethod
     def empty() -> "Droplets":
@@ -45,8 +45,11 @@ class Droplets:
     @staticmethod
     def concatenate(parts: "list[Droplets]") -> "Droplets":
         """All droplets of `parts`, in order."""
-        columns = (np.concatenate([getattr(part, c.name) for part in parts] or [np.empty(0)]) for c in fields(Droplets))
-        return Droplets(*columns)
+        if not parts:
+            return Droplets.empty()
+        return Droplets(
+            *(np.concatenate([getattr(part, name) for part in parts]) for name in Droplets.__dataclass_fields__)
+        )
 
     def to_table(self, *, frame: int, time_s: float, pixel_size_um: float) -> pa.Table:
         """These droplets as rows of `dropflow.tables.DROPLETS`."""

@@ -10,7 +10,7 @@ import pyarrow.parquet as pq
 import zarr
 
 from dropflow.tracking.checkpoint import Spool
-from dropflow.tracking.events import EVENTS, Row, Surroundings, events_of_step, row_of_shift
+from dropflow.tracking.events import Surroundings, events_of_steps
 from dropflow.tracking.film import FRAMES_PER_PART
 from dropflow.tracking.grid import Column
 from dropflow.tracking.identification import Indices
@@ -50,19 +50,15 @@ def events(
         rows = pa.concat_tables(near).filter(in_reach)
         seen = Sightings.from_table(rows.sort_by([("trajectory_id", "ascending"), ("frame", "ascending")]))
         flows = np.asarray(velocity_um_s[steps.start : steps.stop], np.float64)
-        happened: list[Row] = []
-        for frame, flow_um_s in zip(steps, flows, strict=True):
-            if shifts_px[frame].any():
-                happened.append(row_of_shift(frame + 1, float(times_s[frame + 1]), shifts_px[frame]))
-            happened.extend(events_of_step(seen, frame, times_s, flow_um_s, around))
-        yield pa.Table.from_pylist(happened, schema=EVENTS)
+        yield events_of_steps(seen, steps, times_s, flows, shifts_px, around)
 
 
 def write_table(path: Path, schema: pa.Schema, tables: Iterator[pa.Table], metadata: dict[str, str]) -> None:
     """Write tables as one Parquet file, each as its own row group; the file is there whole or not at all."""
     schema = schema.with_metadata(metadata)
     unfinished = path.with_suffix(".unfinished")
-    with pq.ParquetWriter(unfinished, schema) as writer:
+    repeating = [field.name for field in schema if not pa.types.is_floating(field.type)]
+    with pq.ParquetWriter(unfinished, schema, use_dictionary=repeating) as writer:
         writer.write_table(schema.empty_table())
         for table in tables:
             if len(table):

@@ -9,7 +9,7 @@ from scipy.spatial import cKDTree
 
 from dropflow.tracking.grid import Column
 from dropflow.tracking.identification import Indices
-from dropflow.tracking.sightings import Sightings, near_pairs
+from dropflow.tracking.sightings import Sightings, in_frames, near_pairs
 
 _MOST_RESIDUAL = 3.0
 """Standard deviations by which volumes may fail to add up."""
@@ -42,45 +42,40 @@ class Merger:
     """Distance of the product from the centre of both volumes, over the distance allowed."""
 
 
-def find_mergers(seen: Sightings, ends: Indices, next_px: Column, begins: Indices, going_on: Indices) -> list[Merger]:
-    """All coalescences of a step, each trajectory's end and each beginning in one of them at most.
+def find_mergers(seen: Sightings, ends: Indices, next_px: Column, begins: Indices) -> list[Merger]:
+    """All coalescences of some steps, each trajectory's end and each beginning in one of them at most.
 
     Parameters
     ----------
     seen : Sightings
     ends : ndarray of int
-        Rows with which trajectories end in the frame before.
+        Rows with which trajectories end in the frame before a step.
     next_px : ndarray, float64, shape (2, len(ends))
         Where these droplets would be in the frame after.
     begins : ndarray of int
-        Rows with which trajectories begin in the frame after.
-    going_on : ndarray of int
-        Rows in the frame before whose trajectories go on: the next row is the one in the frame after.
+        Rows with which trajectories begin in the frame after a step.
     """
     if not len(ends):
         return []
-    places = next_px.T
-    tree = cKDTree(places)
-    found = [
-        *_joined(seen, ends, places, tree, begins),
-        *_absorbed(seen, ends, places, going_on),
-    ]
-    taken: set[int] = set()
+    found = [*_joined(seen, ends, next_px, begins), *_absorbed(seen, ends, next_px)]
+    taken: set[tuple[int, bool]] = set()
     kept = []
     for merger in sorted(found, key=lambda one: (one.off + abs(one.volume_residual) / _MOST_RESIDUAL, one.product)):
-        parts = {*merger.ended, merger.product}
+        # What is the product of a step may end in the next.
+        parts = {*((row, False) for row in merger.ended), (merger.product, True)}
         if not parts & taken:
             taken |= parts
             kept.append(merger)
     return sorted(kept, key=lambda one: one.product)
 
 
-def _joined(seen: Sightings, ends: Indices, places: Column, tree: cKDTree, begins: Indices) -> Iterator[Merger]:
+def _joined(seen: Sightings, ends: Indices, next_px: Column, begins: Indices) -> Iterator[Merger]:
     """Two that end where one begins."""
     (until, until_std), (since, since_std) = seen.radius_until, seen.radius_from
-    for product in begins.tolist():
+    places = next_px.T
+    for product, near in _with_partners(seen, ends, next_px, begins):
         r_px = float(since[product])
-        for pair in combinations(_near(seen, tree, product, 1.5 * r_px + _OFF_PX), 2):
+        for pair in combinations(near, 2):
             one, other = sorted(pair, key=lambda index: -float(until[ends[index]]))
             rows = int(ends[one]), int(ends[other])
             r_1, r_2 = (float(until[row]) for row in rows)
@@ -95,19 +90,32 @@ def _joined(seen: Sightings, ends: Indices, places: Column, tree: cKDTree, begin
                 yield Merger(*rows, product, rows, r_1, r_2, r_px, residual, off)
 
 
-def _absorbed(seen: Sightings, ends: Indices, places: Column, going_on: Indices) -> Iterator[Merger]:
+def _with_partners(seen: Sightings, ends: Indices, next_px: Column, begins: Indices) -> Iterator[tuple[int, list[int]]]:
+    """Each row that begins near two or more ends, and these, the nearest first."""
+    tree = cKDTree(in_frames(next_px[0], next_px[1], seen.frame[ends] + 1))
+    x_px, y_px = seen.x_px[begins], seen.y_px[begins]
+    reach_px = 1.5 * seen.radius_from[0][begins] + _OFF_PX
+    which, index = near_pairs(tree, in_frames(x_px, y_px, seen.frame[begins]), reach_px)
+    away_px = np.hypot(next_px[0, index] - x_px[which], next_px[1, index] - y_px[which])
+    order = np.lexsort((index, away_px, which))
+    of_begins = np.split(index[order], np.cumsum(np.bincount(which, minlength=len(begins)))[:-1])
+    for product, near in zip(begins.tolist(), of_begins, strict=False):
+        if len(near) > 1:
+            yield product, near[:_MOST_PARTNERS].tolist()
+
+
+def _absorbed(seen: Sightings, ends: Indices, next_px: Column) -> Iterator[Merger]:
     """One that ends in another, which goes on and grows by its volume."""
-    if not len(going_on):
-        return
     (until, until_std), (since, since_std) = seen.radius_until, seen.radius_from
-    after = cKDTree(np.column_stack([seen.x_px[going_on + 1], seen.y_px[going_on + 1]]))
-    reach_px = _TOUCHING * (float(until[going_on].max()) + until[ends]) + _OFF_PX
-    which, index = near_pairs(after, places, reach_px)
-    end, before = ends[which], going_on[index]
-    r_1, r_2, r_px = until[before], until[end], since[before + 1]
-    apart = np.hypot(*(after.data[index] - places[which]).T)
+    reach_px = _TOUCHING * (float(until.max()) + until[ends]) + _OFF_PX
+    which, after = seen.near(next_px[0], next_px[1], seen.frame[ends] + 1, reach_px)
+    has_gone_on = ~seen.is_first[after]
+    which, after = which[has_gone_on], after[has_gone_on]
+    end, before = ends[which], after - 1
+    r_1, r_2, r_px = until[before], until[end], since[after]
+    apart = np.hypot(seen.x_px[after] - next_px[0, which], seen.y_px[after] - next_px[1, which])
     off = apart / (_TOUCHING * (r_1 + r_2) + _OFF_PX)
-    uncertain = 3 * np.hypot(r_px**2 * since_std[before + 1], r_1**2 * until_std[before])
+    uncertain = 3 * np.hypot(r_px**2 * since_std[after], r_1**2 * until_std[before])
     gain = r_px**3 - r_1**3
     residual = (gain - r_2**3) / np.hypot(uncertain, 3 * r_2**2 * until_std[end])
     is_one = (off <= 1) & (r_2 <= r_1) & (gain >= _LEAST_GAIN * uncertain) & (np.abs(residual) <= _MOST_RESIDUAL)
@@ -115,14 +123,6 @@ def _absorbed(seen: Sightings, ends: Indices, places: Column, going_on: Indices)
         larger, smaller = int(before[k]), int(end[k])
         sizes = float(r_1[k]), float(r_2[k]), float(r_px[k])
         yield Merger(larger, smaller, larger + 1, (smaller,), *sizes, float(residual[k]), float(off[k]))
-
-
-def _near(seen: Sightings, tree: cKDTree, product: int, reach_px: float) -> list[int]:
-    """Ends within reach of a row, the nearest first."""
-    place = np.array([seen.x_px[product], seen.y_px[product]])
-    near = tree.query_ball_point(place, reach_px)
-    by_distance = sorted(near, key=lambda index: (float(np.hypot(*(tree.data[index] - place))), index))
-    return by_distance[:_MOST_PARTNERS]
 
 
 def _off(seen: Sightings, product: int, centre: Column, r_px: float) -> float:

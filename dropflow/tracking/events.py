@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -40,8 +41,8 @@ the product's volume minus that of both, in its own standard deviations. A birth
 was seen first or last. What was there in the first frame, or still is in the last one, has no birth or no exit.
 """
 
-Row = dict[str, object]
-"""One of these, as far as it has values."""
+Columns = dict[str, npt.NDArray[Any]]
+"""Some of these."""
 
 _CUT_RADII = 1.0
 """A droplet whose centre is nearer to the border than this many radii is cut by it."""
@@ -77,10 +78,13 @@ class Surroundings:
     grid: Grid
     motion: Motion
 
-    def step_px(self, seen: Sightings, rows: Indices, flow_um_s: npt.NDArray[np.float64], dt_s: float) -> Column:
-        """How far droplets should move in a step, shape (2, n); with their own velocity where the flow is unknown."""
+    def step_px(self, seen: Sightings, rows: Indices, flow_um_s: Column, step: Indices, dt_s: Column) -> Column:
+        """How far droplets should move in a step each, shape (2, n); with their own velocity where no flow is known.
+
+        `flow_um_s` are the fields of some steps, shape (n_steps, 2, n_rows, n_columns), `step` says which is whose.
+        """
         own = np.nan_to_num(np.stack([seen.u_um_s[rows], seen.v_um_s[rows]]))
-        carried = bilinear(self.grid, flow_um_s, seen.x_px[rows], seen.y_px[rows])
+        carried = bilinear(self.grid, flow_um_s.swapaxes(0, 1), seen.x_px[rows], seen.y_px[rows], step=step)
         carried += np.outer(self.motion.up, seen.sedimentation_um_s[rows])
         velocity_um_s = np.where(np.isfinite(carried), carried, own)
         return np.asarray(velocity_um_s * (dt_s / self.motion.pixel_size_um))
@@ -93,82 +97,111 @@ class Surroundings:
         return np.asarray(deep < _CUT_RADII * r_px)
 
 
-def events_of_step(
-    seen: Sightings, frame: int, times_s: Column, flow_um_s: npt.NDArray[np.float64], around: Surroundings
-) -> list[Row]:
-    """The events between `frame` and the next, rows of `EVENTS`.
+def events_of_steps(
+    seen: Sightings, steps: range, times_s: Column, flow_um_s: Column, shifts_px: Column, around: Surroundings
+) -> pa.Table:
+    """The events of consecutive steps, each from a frame to the next, rows of `EVENTS`.
 
     Parameters
     ----------
     seen : Sightings
         Of the trajectories that are kept, from a few frames before to a few after.
-    frame : int
+    steps : range
+        The frames with which the steps begin.
     times_s : ndarray, float64, shape (n_frames,)
-    flow_um_s : ndarray, float64, shape (2, n_rows, n_columns)
-        Of this step; NaN where it is not known.
+    flow_um_s : ndarray, float64, shape (len(steps), 2, n_rows, n_columns)
+        Of these steps; NaN where it is not known.
+    shifts_px : ndarray, float64, shape (n_frames - 1, 2)
+        By how much the camera moved in each step of the film.
     around : Surroundings
     """
-    here, there = seen.rows_of(frame), seen.rows_of(frame + 1)
-    ends, begins = here[seen.is_last[here]], there[seen.is_first[there]]
-    going_on = here[~seen.is_last[here]]
-    dt_s = float(times_s[frame + 1] - times_s[frame])
-    ahead = around.step_px(seen, ends, flow_um_s, dt_s)
-    back = around.step_px(seen, begins, flow_um_s, dt_s)
-    next_px = np.stack([seen.x_px[ends], seen.y_px[ends]]) + ahead
-    before_px = np.stack([seen.x_px[begins], seen.y_px[begins]]) - back
-    mergers = find_mergers(seen, ends, next_px, begins, going_on)
-    time_s = float(times_s[frame + 1])
-    ends_alone = ~np.isin(ends, [parent for merger in mergers for parent in merger.ended])
-    begins_alone = ~np.isin(begins, [merger.product for merger in mergers])
-    rows = [_row_of_merger(seen, merger, frame + 1, time_s, around.motion.pixel_size_um) for merger in mergers]
-    for kind, which, place_px, others in (
-        (Kind.BIRTH, begins[begins_alone], before_px[:, begins_alone], here),
-        (Kind.EXIT, ends[ends_alone], next_px[:, ends_alone], there),
-    ):
-        causes = _causes(seen, which, place_px, others, around)
-        for row, cause in zip(which.tolist(), causes, strict=True):
-            rows.append(_row(seen, row, frame + 1, time_s, kind, cause, around.motion.pixel_size_um))
-    return rows
+    is_here = (seen.frame >= steps.start) & (seen.frame < steps.stop)
+    is_there = (seen.frame > steps.start) & (seen.frame <= steps.stop)
+    ends, begins = np.flatnonzero(seen.is_last & is_here), np.flatnonzero(seen.is_first & is_there)
+    step = seen.frame[ends] - steps.start
+    before_step = seen.frame[begins] - 1 - steps.start
+    dt_s = np.diff(times_s[steps.start : steps.stop + 1])
+    next_px = np.stack([seen.x_px[ends], seen.y_px[ends]])
+    next_px += around.step_px(seen, ends, flow_um_s, step, dt_s[step])
+    before_px = np.stack([seen.x_px[begins], seen.y_px[begins]])
+    before_px -= around.step_px(seen, begins, flow_um_s, before_step, dt_s[before_step])
+    mergers = find_mergers(seen, ends, next_px, begins)
+    is_end = ~np.isin(ends, [parent for merger in mergers for parent in merger.ended])
+    is_birth = ~np.isin(begins, [merger.product for merger in mergers])
+    births, exits = begins[is_birth], ends[is_end]
+    pixel_size_um = around.motion.pixel_size_um
+    parts = [
+        _shifts(steps, shifts_px),
+        _mergers(seen, mergers, pixel_size_um),
+        {
+            **_places(seen, births, seen.frame[births], Kind.BIRTH, pixel_size_um),
+            "cause": _causes(seen, births, before_px[:, is_birth], seen.frame[births] - 1, around),
+        },
+        {
+            **_places(seen, exits, seen.frame[exits] + 1, Kind.EXIT, pixel_size_um),
+            "cause": _causes(seen, exits, next_px[:, is_end], seen.frame[exits] + 1, around),
+        },
+    ]
+    rows = pa.concat_tables([_table(columns, times_s) for columns in parts])
+    return rows.take(np.argsort(rows["frame"].to_numpy(), kind="stable"))
 
 
-def row_of_shift(frame: int, time_s: float, shift_px: Column) -> Row:
-    """The event that the camera moved before `frame`."""
-    x_px, y_px = (-shift_px).tolist()
-    row: Row = {"frame": frame, "time_s": time_s, "kind": str(Kind.SHIFT), "cause": str(Cause.CAMERA)}
-    return {**row, "x_px": x_px, "y_px": y_px}
+def _table(columns: Columns, times_s: Column) -> pa.Table:
+    """Rows of `EVENTS`, null where there is no column."""
+    known = {**columns, "time_s": times_s[columns["frame"]]}
+    n = len(columns["frame"])
+    arrays = [pa.array(known[f.name], f.type) if f.name in known else pa.nulls(n, f.type) for f in EVENTS]
+    return pa.Table.from_arrays(arrays, schema=EVENTS)
 
 
-def _causes(seen: Sightings, rows: Indices, place_px: Column, others: Indices, around: Surroundings) -> list[Cause]:
+def _shifts(steps: range, shifts_px: Column) -> Columns:
+    """The steps in which the camera moved."""
+    moved = steps.start + np.flatnonzero(shifts_px[steps.start : steps.stop].any(axis=1))
+    x_px, y_px = -shifts_px[moved].T
+    kind, cause = np.full(len(moved), Kind.SHIFT), np.full(len(moved), Cause.CAMERA)
+    return {"frame": moved + 1, "kind": kind, "cause": cause, "x_px": x_px, "y_px": y_px}
+
+
+def _places(seen: Sightings, rows: Indices, frame: Indices, kind: Kind, pixel_size_um: float) -> Columns:
+    """Where droplets were seen in some rows."""
+    return {
+        "frame": frame,
+        "kind": np.full(len(rows), kind),
+        "trajectory_id": seen.trajectory_id[rows],
+        "x_px": seen.x_px[rows],
+        "y_px": seen.y_px[rows],
+        "r_px": seen.r_px[rows],
+        "r_um": seen.r_px[rows] * pixel_size_um,
+    }
+
+
+def _causes(
+    seen: Sightings, rows: Indices, place_px: Column, frame: Indices, around: Surroundings
+) -> npt.NDArray[np.str_]:
     """Border, hidden or focus for each of some rows, from where it would be in the other frame."""
     x_px, y_px = place_px
     is_cut = around.is_cut(x_px, y_px, seen.r_px[rows])
-    is_hidden = seen.covers(others, x_px, y_px, seen.r_px[rows])
-    return [
-        Cause.BORDER if cut else Cause.HIDDEN if hidden else Cause.FOCUS
-        for cut, hidden in zip(is_cut.tolist(), is_hidden.tolist(), strict=True)
-    ]
+    is_hidden = seen.covers(x_px, y_px, seen.r_px[rows], frame)
+    return np.where(is_cut, Cause.BORDER, np.where(is_hidden, Cause.HIDDEN, Cause.FOCUS))
 
 
-def _row(seen: Sightings, row: int, frame: int, time_s: float, kind: Kind, cause: Cause, pixel_size_um: float) -> Row:
+def _mergers(seen: Sightings, mergers: list[Merger], pixel_size_um: float) -> Columns:
+    product = np.array([merger.product for merger in mergers], np.int64)
+    larger, smaller = np.array([[merger.larger, merger.smaller] for merger in mergers], np.int64).reshape(-1, 2).T
+    r_px, r_1_px, r_2_px, residual = (
+        np.array([[one.r_px, one.r_larger_px, one.r_smaller_px, one.volume_residual] for one in mergers])
+        .reshape(-1, 4)
+        .T
+    )
     return {
-        "frame": frame,
-        "time_s": time_s,
-        "kind": str(kind),
-        "cause": str(cause),
-        "trajectory_id": int(seen.trajectory_id[row]),
-        "x_px": float(seen.x_px[row]),
-        "y_px": float(seen.y_px[row]),
-        "r_px": float(seen.r_px[row]),
-        "r_um": float(seen.r_px[row]) * pixel_size_um,
+        **_places(seen, product, seen.frame[product], Kind.COALESCENCE, pixel_size_um),
+        "cause": np.full(len(product), Cause.COALESCENCE),
+        "trajectory_id": seen.trajectory_id[larger],
+        "other_id": seen.trajectory_id[smaller],
+        "product_id": seen.trajectory_id[product],
+        "r_px": r_px,
+        "r_um": r_px * pixel_size_um,
+        "r_1_um": r_1_px * pixel_size_um,
+        "r_2_um": r_2_px * pixel_size_um,
+        "volume_residual": residual,
     }
-
-
-def _row_of_merger(seen: Sightings, merger: Merger, frame: int, time_s: float, pixel: float) -> Row:
-    row = _row(seen, merger.product, frame, time_s, Kind.COALESCENCE, Cause.COALESCENCE, pixel)
-    ids = {
-        "trajectory_id": int(seen.trajectory_id[merger.larger]),
-        "other_id": int(seen.trajectory_id[merger.smaller]),
-        "product_id": int(seen.trajectory_id[merger.product]),
-    }
-    sizes = {"r_um": merger.r_px * pixel, "r_1_um": merger.r_larger_px * pixel, "r_2_um": merger.r_smaller_px * pixel}
-    return {**row, **ids, **sizes, "r_px": merger.r_px, "volume_residual": merger.volume_residual}

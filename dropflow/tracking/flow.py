@@ -58,14 +58,25 @@ def still_flow(grid: Grid) -> FlowField:
     return replace(flow, velocity_um_s=np.zeros_like(flow.velocity_um_s))
 
 
-def bilinear(grid: Grid, values: npt.NDArray[np.float64], x_px: Column, y_px: Column) -> Column:
-    """Values (k, n_rows, n_columns) of the cells' centres at points, shape (k, n); constant beyond the outermost."""
+def bilinear(
+    grid: Grid,
+    values: npt.NDArray[np.float64],
+    x_px: Column,
+    y_px: Column,
+    *,
+    step: npt.NDArray[np.int64] | None = None,
+) -> Column:
+    """Values (k, n_rows, n_columns) of the cells' centres at points, shape (k, n); constant beyond the outermost.
+
+    Where the `step` of each point is given, `values` are those of all steps, shape (k, n_steps, n_rows, n_columns).
+    """
     row, column = grid.position_of(x_px, y_px)
     row = np.clip(row, 0, grid.n_rows - 1)
     column = np.clip(column, 0, grid.n_columns - 1)
     top = np.minimum(row.astype(np.int64), grid.n_rows - 2)
     left = np.minimum(column.astype(np.int64), grid.n_columns - 2)
     down, right = row - top, column - left
-    upper = values[:, top, left] * (1 - right) + values[:, top, left + 1] * right
-    lower = values[:, top + 1, left] * (1 - right) + values[:, top + 1, left + 1] * right
+    of_point = (slice(None),) if step is None else (slice(None), step)
+    upper = values[*of_point, top, left] * (1 - right) + values[*of_point, top, left + 1] * right
+    lower = values[*of_point, top + 1, left] * (1 - right) + values[*of_point, top + 1, left + 1] * right
     return np.asarray(upper * (1 - down) + lower * down)

@@ -47,7 +47,7 @@ class Front:
 
     def __getitem__(self, which: npt.NDArray[np.bool_] | Indices | slice) -> "Front":
         """The rows at a mask, at indices or in a slice."""
-        return Front(*(getattr(self, field.name)[which] for field in fields(self)))
+        return Front(*(getattr(self, name)[which] for name in self.__dataclass_fields__))
 
     def sorted(self) -> "Front":
         """In the order of `trajectory_id`."""

@@ -13,6 +13,7 @@ from dropflow.tracking.identification import Indices
 
 N_AVERAGED = 3
 """Frames over which a radius is averaged at the end or the beginning of a trajectory."""
+_FAR_PX = 1e6
 _RADIUS_MODEL_STD = 0.02
 """Relative standard deviation of a radius that no averaging removes."""
 
@@ -53,15 +54,12 @@ class Sightings:
         return np.append(np.diff(self.trajectory_id) != 0, True)[: len(self.frame)]
 
     @cached_property
-    def _by_frame(self) -> tuple[Indices, Indices]:
-        order = np.argsort(self.frame, kind="stable")
-        return order, self.frame[order]
+    def _tree(self) -> cKDTree:
+        return cKDTree(in_frames(self.x_px, self.y_px, self.frame), compact_nodes=False, balanced_tree=False)
 
-    def rows_of(self, frame: int) -> Indices:
-        """Rows of one frame."""
-        order, frames = self._by_frame
-        start, stop = np.searchsorted(frames, [frame, frame + 1])
-        return order[start:stop]
+    def near(self, x_px: Column, y_px: Column, frame: Indices, reach_px: float | Column) -> tuple[Indices, Indices]:
+        """Indices of places in given frames, and of the rows of these frames that lie within reach of them."""
+        return near_pairs(self._tree, in_frames(x_px, y_px, frame), reach_px)
 
     @cached_property
     def radius_until(self) -> tuple[Column, Column]:
@@ -91,20 +89,23 @@ class Sightings:
         variance = np.maximum(squares / np.maximum(count, 1), scatter) / np.maximum(count, 1)
         return mean, np.sqrt(variance + (_RADIUS_MODEL_STD * mean) ** 2)
 
-    def covers(self, rows: Indices, x_px: Column, y_px: Column, r_px: Column) -> npt.NDArray[np.bool_]:
-        """Whether the centre of each given droplet lies in a larger one of `rows`."""
+    def covers(self, x_px: Column, y_px: Column, r_px: Column, frame: Indices) -> npt.NDArray[np.bool_]:
+        """Whether the centre of each given droplet lies in a larger one of its frame."""
         is_covered = np.zeros(len(x_px), bool)
-        if len(rows) and len(x_px):
-            tree = cKDTree(np.column_stack([self.x_px[rows], self.y_px[rows]]))
-            which, other = near_pairs(tree, np.column_stack([x_px, y_px]), float(self.r_px[rows].max()))
-            over = rows[other]
+        if len(x_px):
+            which, over = self.near(x_px, y_px, frame, float(self.r_px.max()))
             apart = np.hypot(self.x_px[over] - x_px[which], self.y_px[over] - y_px[which])
             is_covered[which[(apart < self.r_px[over]) & (self.r_px[over] > r_px[which])]] = True
         return is_covered
 
 
+def in_frames(x_px: Column, y_px: Column, frame: Indices) -> Column:
+    """Places as points of a space in which frames are further apart than anything in one, shape (n, 3)."""
+    return np.column_stack([x_px, y_px, _FAR_PX * frame])
+
+
 def near_pairs(tree: cKDTree, places: Column, reach_px: float | Column) -> tuple[Indices, Indices]:
-    """Indices of places, shape (n, 2), and of the points of a tree that lie within reach of them."""
+    """Indices of places, shape (n, 3), and of the points of a tree that lie within reach of them."""
     near = tree.query_ball_point(places, reach_px)
     which = np.repeat(np.arange(len(places)), [len(some) for some in near])
     return which, np.concatenate([np.asarray(some, np.int64) for some in [[], *near]])

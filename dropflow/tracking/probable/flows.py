@@ -1,7 +1,8 @@
 """The final flow field of each step, from the droplets of the step and its neighbours."""
 
 from collections.abc import Iterable
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -9,7 +10,7 @@ from dropflow.parameters import Divergence
 from dropflow.tracking.checkpoint import Arrays
 from dropflow.tracking.flow import FlowField, unknown_flow
 from dropflow.tracking.front import Front
-from dropflow.tracking.grid import Grid
+from dropflow.tracking.grid import Column, Grid
 from dropflow.tracking.prediction import Motion
 from dropflow.tracking.probable.flow_memory import FlowMemory
 from dropflow.tracking.probable.least_squares import Model, Observations, Sums
@@ -24,6 +25,25 @@ _MOST_JUMP_RMS = 0.5
 """By which part of the flow's rms the median velocity may differ in steps that are taken together."""
 
 
+@dataclass
+class _Step:
+    """A step, and what several fields need of it, reckoned once."""
+
+    seen: Observations
+    _sums: Sums | None = None
+
+    @cached_property
+    def usual_um_s(self) -> Column:
+        """Median velocity, across `up` and along it."""
+        return np.array([np.median(self.seen.across_um_s), np.median(self.seen.along_um_s)])
+
+    def summed_under(self, model: Model) -> Sums:
+        """What least squares need; the noise of the model stays the same on this way through the film."""
+        if self._sums is None:
+            self._sums = sums_of(self.seen, model)
+        return self._sums
+
+
 class ProbableFlows:
     """Regression over a few steps around each."""
 
@@ -31,9 +51,7 @@ class ProbableFlows:
         self._grid = grid
         self._motion = motion
         self._flow = FlowMemory(grid, motion.up, divergence)
-        self._window: list[Observations] = []
-        self._sums: dict[int, Sums] = {}
-        """Of steps of the window, by `id`; they can be had again from these."""
+        self._window: list[_Step] = []
         self._n_after = 0
         """Steps of the window whose field is still to come."""
 
@@ -50,7 +68,7 @@ class ProbableFlows:
             log_r_variance=after.log_r_std**2,
             weight=weight,
         )
-        self._window.append(seen)
+        self._window.append(_Step(seen))
         self._n_after += 1
         return [self._next()] if self._n_after > _LAG else []
 
@@ -66,35 +84,26 @@ class ProbableFlows:
         field = self._field(here, around)
         self._n_after -= 1
         self._window = self._window[max(centre + 1 - _LAG, 0) :]
-        self._sums = {id(step): self._sums[id(step)] for step in self._window if id(step) in self._sums}
         return field
 
-    def _has_jumped(self, here: Observations, other: Observations) -> bool:
+    def _has_jumped(self, here: _Step, other: _Step) -> bool:
         """Whether everything moves otherwise in another step, as when the camera was pushed in one of them."""
-        if self._flow.model is None or not len(here) or not len(other):
+        if self._flow.model is None or not len(here.seen) or not len(other.seen):
             return False
-        across = np.median(other.across_um_s) - np.median(here.across_um_s)
-        along = np.median(other.along_um_s) - np.median(here.along_um_s)
-        return bool(np.hypot(across, along) > _MOST_JUMP_RMS * self._flow.model.spectrum.rms_um_s)
+        jump_um_s = np.hypot(*(other.usual_um_s - here.usual_um_s))
+        return bool(jump_um_s > _MOST_JUMP_RMS * self._flow.model.spectrum.rms_um_s)
 
-    def _field(self, here: Observations, around: list[Observations]) -> FlowField:
-        n_seen = sum(map(len, around))
+    def _field(self, here: _Step, around: list[_Step]) -> FlowField:
+        n_seen = sum(len(step.seen) for step in around)
         if self._flow.model is None and n_seen:
-            self._flow.estimate([Observations.concatenate(around)])
+            self._flow.estimate([Observations.concatenate([step.seen for step in around])])
         if self._flow.model is None or not n_seen:
             return unknown_flow(self._grid)
-        flow = regress_sums(self._together(around, self._flow.model), self._flow.model)
+        first, *others = (step.summed_under(self._flow.model) for step in around)
+        flow = regress_sums(sum(others, start=first), self._flow.model)
         mean, variance = flow.stokes_error
         self._flow.model = replace(self._flow.model, factor_mean=mean, factor_variance=max(variance, 1e-5))
-        return on_grid(flow, here, self._grid)
-
-    def _together(self, around: list[Observations], model: Model) -> Sums:
-        """The sums over some steps; those of each are reckoned once."""
-        for step in around:
-            if id(step) not in self._sums:
-                self._sums[id(step)] = sums_of(step, model)
-        first, *others = (self._sums[id(step)] for step in around)
-        return sum(others, start=first)
+        return on_grid(flow, here.seen, self._grid)
 
     def learn_from(self, arrays: Arrays) -> None:
         """Take up the model of the flow."""
@@ -104,14 +113,14 @@ class ProbableFlows:
         """The window and what is known of the flow."""
         arrays = prefixed("flow.", self._flow.state())
         for index, step in enumerate(self._window):
-            arrays |= save_columns(f"window{index}", step)
+            arrays |= save_columns(f"window{index}", step.seen)
         return arrays | {"window": np.array([len(self._window), self._n_after])}
 
     def restore(self, arrays: Arrays) -> None:
         """Go on from `arrays`."""
         self._flow.restore(without_prefix("flow.", arrays))
         n_window, self._n_after = arrays["window"].tolist()
-        self._window = [load_columns(f"window{index}", Observations, arrays) for index in range(n_window)]
+        self._window = [_Step(load_columns(f"window{index}", Observations, arrays)) for index in range(n_window)]
 
 
 def on_grid(flow: WaveFlow, here: Observations, grid: Grid) -> FlowField:

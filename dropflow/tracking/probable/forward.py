@@ -118,13 +118,13 @@ class ProbableForward:
     def _hidden(self, memory: Memory, again: Indices, predicted: Predicted, there: Droplets) -> Indices:
         """Droplets that were not seen and may come back: well known, surely predicted, and nobody is in their place."""
         lost = all_but(len(memory.log_r), again)
-        place = predicted.droplets[lost]
-        is_known = (memory.evidence[lost] > _SURE_EVIDENCE) & (memory.n_unseen[lost] < _MOST_UNSEEN)
+        lost = lost[(memory.evidence[lost] > _SURE_EVIDENCE) & (memory.n_unseen[lost] < _MOST_UNSEEN)]
         variance = np.maximum(predicted.across_variance[lost], predicted.along_variance[lost])
         is_sure = np.sqrt(variance) < _SURE_SPACINGS * self._grid.spacing_px(len(there))
-        is_taken = np.isin(np.arange(len(lost)), same_droplets(place, there, SIMILAR_RATIO).first)
-        is_inside = self._grid.contains(place.x_px, place.y_px)
-        return lost[is_known & is_sure & is_inside & ~is_taken]
+        is_inside = self._grid.contains(predicted.droplets.x_px[lost], predicted.droplets.y_px[lost])
+        lost = lost[is_sure & is_inside]
+        is_taken = np.isin(np.arange(len(lost)), same_droplets(predicted.droplets[lost], there, SIMILAR_RATIO).first)
+        return lost[~is_taken]
 
     def _with_own_ways(self, memory: Memory, before: Droplets, after: Droplets, flow: WaveFlow, dt_s: float) -> Memory:
         """Learn what each droplet does beyond flow and Stokes."""

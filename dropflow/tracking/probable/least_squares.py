@@ -1,6 +1,6 @@
 """Velocities of droplets, the model of the flow they measure, and the normal equations of both."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Self
 
@@ -35,12 +35,12 @@ class Observations:
         return len(self.x_px)
 
     def __getitem__(self, which: npt.NDArray[np.bool_] | slice) -> "Observations":
-        return Observations(*(getattr(self, field.name)[which] for field in fields(self)))
+        return Observations(*(getattr(self, name)[which] for name in self.__dataclass_fields__))
 
     @classmethod
     def concatenate(cls, parts: "list[Observations]") -> Self:
         """All observations of `parts`."""
-        return cls(*(np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(cls)))
+        return cls(*(np.concatenate([getattr(part, name) for part in parts]) for name in cls.__dataclass_fields__))
 
 
 @dataclass(frozen=True)
@@ -150,7 +150,7 @@ def _put_products(
         for i in range(n_waves):
             row = N_COMMON + 2 * one * n_waves + i
             for two in range(one, n_kinds):
-                for j in range(i if two == one else 0, n_waves):
+                for j in range(n_waves):
                     column = N_COMMON + 2 * two * n_waves + j
                     across = directions[one, 0, i] * directions[two, 0, j]
                     along = directions[one, 1, i] * directions[two, 1, j]
@@ -158,9 +158,9 @@ def _put_products(
                     total = across * sums[0, plus[i, j]] + along * sums[1, plus[i, j]]
                     turned = sign[i, j] * difference.imag
                     scale = root[row] * root[column] / 2  # sines have the prior of their cosines
-                    # Within a kind sine with cosine is below the diagonal; above it stands its mirror image.
-                    low, high = (column, row + n_waves) if one == two else (row + n_waves, column)
-                    matrix[row, column] = scale * (difference.real + total.real)
                     matrix[row, column + n_waves] = scale * (total.imag - turned)
-                    matrix[low, high] = scale * (total.imag + turned)
-                    matrix[row + n_waves, column + n_waves] = scale * (difference.real - total.real)
+                    if column >= row:
+                        matrix[row, column] = scale * (difference.real + total.real)
+                        matrix[row + n_waves, column + n_waves] = scale * (difference.real - total.real)
+                    if two > one:
+                        matrix[row + n_waves, column] = scale * (total.imag + turned)

@@ -1,6 +1,6 @@
 """What is known of each droplet that is followed, beyond its place: its size and its own ways."""
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -35,7 +35,7 @@ class Memory:
     """Frames since it was last seen at all."""
 
     def __getitem__(self, which: npt.NDArray[np.bool_] | Indices) -> "Memory":
-        return Memory(*(getattr(self, field.name)[which] for field in fields(self)))
+        return Memory(*(getattr(self, name)[which] for name in self.__dataclass_fields__))
 
     @staticmethod
     def of_new(r_px: Column, r_std_px: Column, own_variance: float) -> "Memory":
@@ -49,7 +49,9 @@ class Memory:
     @staticmethod
     def concatenate(parts: "list[Memory]") -> "Memory":
         """All of `parts`, in order."""
-        return Memory(*(np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(Memory)))
+        return Memory(
+            *(np.concatenate([getattr(part, name) for part in parts]) for name in Memory.__dataclass_fields__)
+        )
 
     def aged(self, dt_s: float, own_variance: float) -> "Memory":
         """The same droplets `dt_s` later, before they are looked at."""

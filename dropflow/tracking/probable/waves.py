@@ -78,9 +78,9 @@ class Waves:
         kinds = [(k_y, -k_x), (k_x, k_y)] if with_potential else [(k_y, -k_x)]
         return [(-up[1] * x + up[0] * y, up[0] * x + up[1] * y) for x, y in kinds]
 
-    def at(self, x_px: Column, y_px: Column) -> "WavesAt":
-        """The waves at points."""
-        return WavesAt(self, 2 * np.pi / self.width_px * x_px, 2 * np.pi / self.height_px * y_px)
+    def at(self, x_px: Column, y_px: Column, fineness: int) -> "WavesAt":
+        """The waves at points, and those up to so many times as fine."""
+        return WavesAt(self, 2 * np.pi / self.width_px * x_px, 2 * np.pi / self.height_px * y_px, fineness)
 
     @cached_property
     def single(self) -> Indices:
@@ -130,16 +130,17 @@ class WavesAt:
     angle_x: Column
     """Phase of the slowest wave along x, shape (n,)."""
     angle_y: Column
+    finest: int
 
     @cached_property
     def _along_x(self) -> Matrix:
-        """Cosine and sine, in turn, for indices 0 .. 2 n_x, shape (2 (2 n_x + 1), n)."""
-        return _harmonics(self.angle_x, 2 * self.waves.n_x)
+        """Cosine and sine, in turn, for indices 0 .. `finest` n_x, shape (2 (finest n_x + 1), n)."""
+        return _harmonics(self.angle_x, self.finest * self.waves.n_x)
 
     @cached_property
     def _along_y(self) -> Matrix:
-        """The same for indices 0 .. 2 n_y."""
-        return _harmonics(self.angle_y, 2 * self.waves.n_y)
+        """The same for indices 0 .. `finest` n_y."""
+        return _harmonics(self.angle_y, self.finest * self.waves.n_y)
 
     def vectors(self, weights: Matrix) -> Complex:
         """Sums of weights * exp(i k x) over the points: weights of shape (m, n), sums of shape (m, n_waves)."""
@@ -165,31 +166,33 @@ class WavesAt:
 
     def _up_to(self, fineness: int) -> tuple[Matrix, Matrix]:
         """Cosines and sines for indices up to `fineness` times n_x and n_y, in rows."""
-        return self._along_x[: 2 * (fineness * self.waves.n_x + 1)], self._along_y[: 2 * (fineness * self.waves.n_y + 1)]
+        return self._along_x[: 2 * (fineness * self.waves.n_x + 1)], self._along_y[
+            : 2 * (fineness * self.waves.n_y + 1)
+        ]
 
     def _sums(self, weights: Matrix, fineness: int) -> Complex:
         """Over indices -n_x .. n_x, 0 .. n_y times `fineness`; from real products, half as many as complex ones."""
         along_x, along_y = self._up_to(fineness)
-        weighted = (weights[:, None, :] * along_x).reshape(-1, weights.shape[1])
+        weighted = (weights[:, None, :] * along_x).reshape(len(weights) * len(along_x), -1)
         return _unfolded((weighted @ along_y.T).reshape(len(weights), len(along_x), len(along_y)))
 
 
-def fold(series: Complex) -> Matrix:
+@numba.njit(cache=True)
+def fold(series: Complex) -> Matrix:  # pragma: no cover - compiled
     """Amplitudes over indices -n_x .. n_x, 0 .. n_y, shape (m, 2 n_x + 1, n_y + 1), as `WavesAt.evaluate` wants them.
 
     These are the factors of products of cosines and sines along x and y, shape (m * 2 (n_y + 1), 2 (n_x + 1)).
     """
-    n_series, n_rows, n_columns = series.shape
-    n_x = n_rows // 2
-    folded = np.zeros((n_series, n_columns, 2, n_x + 1, 2))  # index along y, its cosine or sine, the same along x
-    right, left = series[:, n_x:].swapaxes(1, 2), series[:, n_x - 1 :: -1].swapaxes(1, 2)
-    folded[:, :, 0, :, 0], folded[:, :, 0, :, 1] = right.real, -right.imag
-    folded[:, :, 1, :, 0], folded[:, :, 1, :, 1] = -right.imag, -right.real
-    folded[:, :, 0, 1:, 0] += left.real
-    folded[:, :, 0, 1:, 1] += left.imag
-    folded[:, :, 1, 1:, 0] -= left.imag
-    folded[:, :, 1, 1:, 1] += left.real
-    return folded.reshape(2 * n_series * n_columns, 2 * (n_x + 1))
+    n_series, n_x, n_y = len(series), series.shape[1] // 2, series.shape[2] - 1
+    folded = np.empty((n_series, n_y + 1, 2, n_x + 1, 2))  # index along y, its cosine or sine, the same along x
+    for m in range(n_series):
+        for x in range(n_x + 1):
+            for y in range(n_y + 1):
+                right = series[m, n_x + x, y]
+                left = series[m, n_x - x, y] if x else 0j
+                folded[m, y, 0, x, 0], folded[m, y, 0, x, 1] = right.real + left.real, left.imag - right.imag
+                folded[m, y, 1, x, 0], folded[m, y, 1, x, 1] = -right.imag - left.imag, left.real - right.real
+    return folded.reshape(2 * n_series * (n_y + 1), 2 * (n_x + 1))
 
 
 @numba.njit(cache=True)
