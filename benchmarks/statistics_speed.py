@@ -73,6 +73,9 @@ def trajectory_rows(rng: np.random.Generator, block: int, n: int, n_frames: int)
         "u_um_s": 3.0 * one,
         "v_um_s": -rise,
         "sedimentation_um_s": rise,
+        "r_smooth_um": radius,
+        "r_smooth_std_um": 0.01 * radius,
+        "is_in_focus": one.astype(bool),
     }
     return pa.table({name: columns.get(name, one) for name in TRAJECTORIES.names}, schema=TRAJECTORIES)
 
@@ -101,7 +104,7 @@ def write_summary(folder: Path, n_frames: int) -> None:
         "duration_s": n_frames - 1.0,
         "field_of_view_um": [WIDTH_PX * PIXEL_UM, HEIGHT_PX * PIXEL_UM],
         "detected": {"n_droplets": 0},
-        "tracked": {"n_droplets": 0, "mean_radius_um": None, "sauter_radius_um": None},
+        "tracked": {"n_droplets": 0, "mean_radius_um": None, "sauter_radius_um": None, "n_counted": 0.0},
         "provenance": {
             "dropflow_version": "0",
             "experiment": experiment,

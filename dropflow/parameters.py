@@ -147,6 +147,9 @@ class TrackingParameters(StrictModel):
     shortest_trajectory_frames: int = knob(3, unit="frames", low=1, high=1000, paper=3, section="3.3.3")
     """Trajectories of fewer frames are removed. The method `default` makes one exception where this is 3 or less: two
     frames will do where chance is out of the question."""
+    count_out_of_focus: bool = False
+    """Count droplets that are out of focus in the size distribution as well. They are followed and stay in the table of
+    trajectories either way; a droplet is out of focus where its match is less than half of that of the sharp ones."""
     paper: PaperTracking = PaperTracking()
     """The constants of the method `paper`."""
 

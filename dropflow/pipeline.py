@@ -149,7 +149,7 @@ def analyse_film(
     make_example(frames[middle], middle, droplets, experiment, parameters, measured).save(folder / EXAMPLE_FILE)
     findings = Findings(facts, condensed)
     summary = {
-        **summarise(tables, index, experiment, findings.material),
+        **summarise(tables, index, experiment, findings.material, out_of_focus=parameters.tracking.count_out_of_focus),
         "statistics": statistics_of(findings),
         "missing_frames": list(index.broken_frames),
         "warnings": [*warnings_of(measured), *missing_warning(index)],

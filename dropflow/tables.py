@@ -31,11 +31,18 @@ TRAJECTORIES = pa.schema(
         ("u_um_s", pa.float64()),
         ("v_um_s", pa.float64()),
         ("sedimentation_um_s", pa.float64()),
+        ("r_smooth_um", pa.float64()),
+        ("r_smooth_std_um", pa.float64()),
+        ("is_in_focus", pa.bool_()),
     ]
 )
 """One row a droplet of a trajectory, sorted by (trajectory_id, frame).
 
 `is_detected` is false where the droplet was found by prediction. `u_um_s`, `v_um_s` are the velocity of the droplet
 towards its next frame (in the last row: from the frame before). `sedimentation_um_s` is the Stokes speed along `up`
-(negative where the droplet sinks).
+(negative where the droplet sinks). `r_smooth_um` is the radius in the light of the whole trajectory (`r_um` that of the
+frame alone), `r_smooth_std_um` its standard deviation. `is_in_focus` is the same in all rows of a trajectory.
 """
+
+SIZE_COLUMNS = ("r_smooth_um", "r_smooth_std_um", "is_in_focus")
+"""Columns of `TRAJECTORIES` that tables of older versions do not have."""

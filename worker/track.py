@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,8 +18,9 @@ from dropflow.provenance import provenance
 from dropflow.statistics.flow_moments import flow_moments
 from dropflow.statistics.histograms import FrameHistograms, radius_edges_um
 from dropflow.statistics.quality import film_quality
+from dropflow.statistics.table_histograms import histograms_after_tracking
 from worker.context import Context
-from worker.detect import DROPLETS_FILE, count
+from worker.detect import DROPLETS_FILE
 from worker.downloadable import described, pieces_of
 from worker.film import PreparedFilm, load_prepared, prefixes
 from worker.giving_way import Turn
@@ -56,7 +56,7 @@ def work(context: Context, lease: Lease) -> None:
                 folder=folder,
                 progress=Turn(context, lease, folder / CHECKPOINT),
             )
-        sizes = pack(_count_tracked(film, folder / "trajectories.parquet"))
+        sizes = pack(_count_tracked(film, folder))
         flow = pack(flow_moments(folder / FLOW, film.experiment.up))
         prefix = product_prefix(claim.experiment_id, claim.shard_id, claim.fence)
         _store(context.store, folder, prefix, lease)
@@ -79,15 +79,16 @@ def _tables(store: ObjectStore, parts: list[str], lease: Lease) -> Iterator[pa.T
         lease.alive("join", n_done, len(parts))
 
 
-def _count_tracked(film: PreparedFilm, trajectories: Path) -> FrameHistograms:
-    """Droplets of trajectories by frame and radius; one row group is in memory at a time."""
-    frames = range(film.index.n_frames)
-    file = pq.ParquetFile(trajectories)
-    total = count(film, file.schema_arrow.empty_table(), frames)
-    for group in range(file.num_row_groups):
-        part = count(film, file.read_row_group(group, columns=["frame", "r_um"]), frames)
-        total = replace(total, counts=total.counts + part.counts, moments=total.moments + part.moments)
-    return total
+def _count_tracked(film: PreparedFilm, folder: Path) -> FrameHistograms:
+    """The droplets that the size distribution after tracking counts; some rows are in memory at a time."""
+    detection = film.parameters.detection
+    return histograms_after_tracking(
+        folder,
+        radius_edges_um(detection.radius_min_um, detection.radius_max_um),
+        np.array(film.index.times_s),
+        pixel_size_um=film.experiment.pixel_size_um,
+        out_of_focus=film.parameters.tracking.count_out_of_focus,
+    )
 
 
 def _store(store: ObjectStore, folder: Path, prefix: str, lease: Lease) -> None:

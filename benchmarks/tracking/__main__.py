@@ -24,7 +24,6 @@ import numpy as np
 import pyarrow.parquet as pq
 
 from benchmarks.tracking import coalescence, speed
-from benchmarks.tracking.faint import without_faint
 from benchmarks.tracking.films import SHAPE, convection, simulated, spacing_over_displacement, unknown_share
 from benchmarks.tracking.given import Given, detected_droplets, true_droplets
 from benchmarks.tracking.scores import DEFAULT, HEAD, dropflow_scores, error_at_droplets, print_all, print_peers, score
@@ -55,10 +54,7 @@ def from_images(film: Path, name: str, scratch: Path, n_frames: int) -> None:
             analysed(film, parse_parameters(knobs), table, results)
             given = detected_droplets(film, table, n_frames, SHAPE)
             found = pq.read_table(results / "trajectories.parquet")
-            print(score(given, found, results / "flow.zarr").row(name, f"{detector} droplets, {tracking}"), flush=True)
-            if detector is Method.PAPER:
-                clear, valley = without_faint(found)
-                print(score(given, clear).row(name, f"  those of match > {valley:.2f}"), flush=True)
+            print(score(given, found, results).row(name, f"{detector} droplets, {tracking}"), flush=True)
         if detector == Parameters().detection.method:
             print_peers(given, name)
 

@@ -25,6 +25,7 @@ from dropflow.scoring import (
     score_links,
     score_size_distribution,
 )
+from dropflow.scoring.report import counted_of
 from dropflow.simulation.truth import Visibility
 from dropflow.tracking.film import Film
 from dropflow.tracking.track import track_film
@@ -69,16 +70,18 @@ def _number(value: float | None, width: int = 6) -> str:
     return f"{value:>{width}.3f}" if value is not None else f"{'-':>{width}}"
 
 
-def score(given: Given, trajectories: pa.Table, flow: Path | None = None) -> Scores:
-    """All scores of a table of trajectories."""
+def score(given: Given, trajectories: pa.Table, results: Path | None = None) -> Scores:
+    """All scores of a table of trajectories; from the folder of Dropflow's `results` also of flow and counts."""
     matching = given.matched(trajectories)
+    flow = results / "flow.zarr" if results else None
+    counted = given.matched(counted_of(results, given.truth)) if results else matching
     true_flow = given.film / "truth_flow.zarr"
     return Scores(
         score_links(matching, given.products),
         score_isbi(matching),
         score_flow(read_flow(flow), read_flow(true_flow)) if flow and true_flow.exists() else None,
         score_size_distribution(given.matched(given.table())),
-        score_size_distribution(matching),
+        score_size_distribution(counted),
     )
 
 
@@ -88,7 +91,7 @@ def dropflow_scores(
     """Of Dropflow's own tracking; with images where they are given."""
     film = Film(given.times_s, lambda frame: given.droplets[frame], frames, detector)  # type: ignore[arg-type]
     result = track_film(film, given.shape, given.experiment, parameters, folder, {}, silent)
-    return score(given, pq.read_table(result.trajectories), result.flow)
+    return score(given, pq.read_table(result.trajectories), folder)
 
 
 def error_at_droplets(given: Given, results: Path) -> float:

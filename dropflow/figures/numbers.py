@@ -41,7 +41,7 @@ def distribution_before(found: Findings) -> pl.DataFrame:
 
 
 def distribution_after(found: Findings) -> pl.DataFrame:
-    """Of droplets in trajectories."""
+    """Of droplets that count after tracking."""
     return distribution(found, found.after)
 
 

@@ -86,14 +86,14 @@ def size_distribution_at(
 ) -> go.Figure:
     """Number density against radius, all frames of both histograms together, with standard deviations.
 
-    `before` are all detections, `after` droplets of trajectories; either may have no column.
+    `before` are all detections, `after` those that tracking leaves; either may have no column.
     """
     figure = new_figure(title, caption)
     figure.update_xaxes(title_text="radius r (µm)", type="log", range=np.log10(before.edges_um[[0, -1]]).tolist())
     figure.update_xaxes(tickmode="array", tickvals=radius_ticks(before.edges_um))
     figure.update_layout(legend={"orientation": "h", "y": 1.0, "yanchor": "bottom", "x": 1, "xanchor": "right"})
     is_empty = True
-    for part, name, colour in ((before, "all detections", SKY), (after, "in trajectories", BLUE)):
+    for part, name, colour in ((before, "all detections", SKY), (after, "after tracking", BLUE)):
         found = density_of(coarsen(part, 1), area_um2=area_um2, observation_depth_um=observation_depth_um, seen=seen)
         figure.update_yaxes(title_text=DENSITY_TITLES[found.unit], type="log", exponentformat="power")
         if not found.density.any():

@@ -25,6 +25,11 @@ def warnings_of(found: Findings, summary: Summary) -> list[str]:
         said.append(f"The material {material.name} is illustrative: its binodal and densities are not measured.")
     if len(found.trajectories) < _FEW_TRAJECTORIES:
         said.append(f"There are only {len(found.trajectories)} trajectories: all statistics are uncertain.")
+    if "n_counted" not in summary.get("tracked", {}):
+        said.append(
+            "An older version made this analysis: its size distribution counts droplets out of focus as well, each "
+            "with the radius of the single frame. Analyse the film again for the radii of whole trajectories."
+        )
     predicted = summary.get("tracked", {}).get("found_by_prediction_share")
     if predicted is not None and predicted > _MUCH_PREDICTED:
         said.append(f"{100 * predicted:.0f} % of the droplets were found by prediction only: look at detection.")
@@ -66,6 +71,7 @@ def numbers_of(found: Findings, summary: Summary) -> dict[str, str]:
         "duration": f"{float(summary['duration_s']):.1f} s",
         "droplets detected": str(summary["detected"]["n_droplets"]),
         "droplets in trajectories": str(tracked["n_droplets"]),
+        "of these out of focus": _share(tracked.get("out_of_focus_share")),
         "trajectories": str(len(found.trajectories)),
         "rejected trajectories": ", ".join(f"{count} {reason}" for reason, count in rejected.items()) or "none",
         "mean radius": _known(tracked["mean_radius_um"], "µm"),
@@ -87,6 +93,10 @@ def numbers_of(found: Findings, summary: Summary) -> dict[str, str]:
 
 def _known(value: float | None, unit: str) -> str:
     return with_error(math.nan if value is None else value, unit=unit)
+
+
+def _share(value: float | None) -> str:
+    return "not known" if value is None else f"{100 * value:.1f} %"
 
 
 def _driving(found: Findings) -> str:

@@ -16,6 +16,7 @@ from dropflow.scoring.links import LinkScore, score_links
 from dropflow.scoring.matching import match_to_truth
 from dropflow.scoring.sizes import SizeScore, score_size_distribution
 from dropflow.simulation.events import Kind
+from dropflow.statistics.counted import COUNTED, counted_droplets
 
 
 @dataclass(frozen=True)
@@ -32,7 +33,7 @@ class Report:
     sizes_before: SizeScore | None
     """Of ``droplets.parquet``."""
     sizes_after: SizeScore | None
-    """Of ``trajectories.parquet``."""
+    """Of the droplets that the size distribution after tracking counts (`dropflow.statistics.counted`)."""
     missing: tuple[str, ...]
 
     def to_json(self) -> dict[str, Any]:
@@ -70,6 +71,7 @@ def score_results(results: Path, truth: Path) -> Report:
         )
     before = None if "droplets.parquet" in missing else match_to_truth(_read(droplets_file), true)
     after = None if "trajectories.parquet" in missing else match_to_truth(_read(files["trajectories.parquet"]), true)
+    counted = None if after is None else match_to_truth(counted_of(results, true), true)
     has_flow = not {"flow.zarr", "truth_flow.zarr"} & set(missing)
     return Report(
         detection=score_detection(before) if before else None,
@@ -78,9 +80,20 @@ def score_results(results: Path, truth: Path) -> Report:
         isbi=score_isbi(after) if after else None,
         flow=score_flow(read_flow(files["flow.zarr"]), read_flow(files["truth_flow.zarr"])) if has_flow else None,
         sizes_before=score_size_distribution(before) if before else None,
-        sizes_after=score_size_distribution(after) if after else None,
+        sizes_after=score_size_distribution(counted) if counted else None,
         missing=tuple(missing),
     )
+
+
+def counted_of(results: Path, true: pa.Table) -> pa.Table:
+    """The droplets that the size distribution after tracking counts."""
+    pixel_size_um = float(true["r_um"][0].as_py() / true["r_px"][0].as_py()) if len(true) else 1.0
+    try:
+        return pa.concat_tables([COUNTED.empty_table(), *counted_droplets(results, pixel_size_um=pixel_size_um)])
+    except (pa.ArrowException, OSError, KeyError) as problem:
+        raise ResultsError(
+            f"This is no Parquet table ({problem}).", code="results.unreadable", file=str(results)
+        ) from None
 
 
 def read_products(events: Path) -> dict[int, int]:

@@ -19,7 +19,7 @@ from dropflow.statistics.flow_moments import FlowMoments, flow_moments
 from dropflow.statistics.histograms import FrameHistograms, radius_edges_um
 from dropflow.statistics.in_sight import InSight, in_sight
 from dropflow.statistics.lengths import ObservedDepth, observed_depth
-from dropflow.statistics.table_histograms import histograms_of_table
+from dropflow.statistics.table_histograms import histograms_after_tracking, histograms_of_table
 from dropflow.statistics.trajectories import summarise_table
 
 Floats = npt.NDArray[np.float64]
@@ -88,7 +88,15 @@ def condense(
             material.viscosity_pa_s,
         ),
         before=done(histograms_of_table(folder / "droplets.parquet", fine_um, times_s)),
-        after=done(histograms_of_table(table, fine_um, times_s)),
+        after=done(
+            histograms_after_tracking(
+                folder,
+                fine_um,
+                times_s,
+                pixel_size_um=experiment.pixel_size_um,
+                out_of_focus=facts.parameters.tracking.count_out_of_focus,
+            )
+        ),
         flow=flow,
         correlation=done(flow_correlation(flow_path, pixel_size_um=experiment.pixel_size_um)),
         calibration=done(

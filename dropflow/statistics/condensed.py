@@ -58,7 +58,7 @@ class Condensed(Protocol):
 
     @property
     def after(self) -> FrameHistograms:
-        """Droplets of the trajectories that were kept."""
+        """What tracking leaves of them (`dropflow.statistics.counted`)."""
         ...
 
     @property

@@ -98,7 +98,7 @@ class StoredCondensed:
 
     @cached_property
     def after(self) -> FrameHistograms:
-        """Droplets of the trajectories that were kept."""
+        """What tracking leaves of them (`dropflow.statistics.counted`)."""
         return self._part("after", FrameHistograms)
 
     @cached_property

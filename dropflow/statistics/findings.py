@@ -70,7 +70,7 @@ class Findings:
 
     @cached_property
     def after(self) -> FrameHistograms:
-        """Droplets of trajectories."""
+        """What tracking leaves of them."""
         return self.scope.histograms(self.condensed.after)
 
     @property

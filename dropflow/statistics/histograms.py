@@ -31,8 +31,8 @@ class FrameHistograms:
     """Frames summed up in each column, shape (n,): fewer than from first to last where some are missing."""
     time_s: Floats
     """Mean time of the column's frames, shape (n,)."""
-    counts: Integers
-    """Droplets by column and radius bin, shape (n, n_bins)."""
+    counts: Floats
+    """Droplets by column and radius bin, shape (n, n_bins); fractions where radii have errors."""
     moments: Floats
     """Sums of r^0, r^1, r^2, r^3 over the droplets of each column, r in um, shape (n, 4)."""
 
@@ -48,7 +48,7 @@ class FrameHistograms:
     def empty(edges_um: Floats) -> "FrameHistograms":
         """No frames: the neutral element of `merge`."""
         none = np.zeros(0, np.int64)
-        counts = np.zeros((0, len(edges_um) - 1), np.int64)
+        counts = np.zeros((0, len(edges_um) - 1))
         return FrameHistograms(edges_um, none, none, none, np.zeros(0), counts, np.zeros((0, N_MOMENTS)))
 
     def __getitem__(self, which: slice | Integers | npt.NDArray[np.bool_]) -> "FrameHistograms":
@@ -105,7 +105,7 @@ def frame_histograms(table: pa.Table, edges_um: Floats, frames: range, times_s: 
         last_frame=np.arange(frames.start, frames.stop, dtype=np.int64),
         n_frames=np.ones(len(frames), np.int64),
         time_s=np.array(times_s, np.float64),
-        counts=counts.astype(np.int64),
+        counts=counts.astype(np.float64),
         moments=np.stack(moments, axis=1).astype(np.float64),
     )
 

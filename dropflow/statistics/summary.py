@@ -12,12 +12,20 @@ import zarr
 
 from dropflow.experiment import Experiment, FixedMaterial
 from dropflow.ingest import StackIndex
+from dropflow.statistics.counted import counted_droplets
 from dropflow.statistics.findings import Findings
 
 _STEPS_AT_ONCE = 256
 
 
-def summarise(folder: Path, index: StackIndex, experiment: Experiment, material: FixedMaterial) -> dict[str, Any]:
+def summarise(
+    folder: Path,
+    index: StackIndex,
+    experiment: Experiment,
+    material: FixedMaterial,
+    *,
+    out_of_focus: bool = False,
+) -> dict[str, Any]:
     """Counts, radii and the flow of a finished run; units are in the names, None where there is no value.
 
     Parameters
@@ -28,6 +36,8 @@ def summarise(folder: Path, index: StackIndex, experiment: Experiment, material:
         What was analysed.
     material
         Mean over the frames.
+    out_of_focus
+        Whether droplets out of focus count in the radii after tracking.
     """
     tracked = pq.ParquetFile(folder / "trajectories.parquet")
     n_frames_of = _n_frames_of_trajectories(tracked)
@@ -39,8 +49,8 @@ def summarise(folder: Path, index: StackIndex, experiment: Experiment, material:
         "delta_density_kg_m3": material.delta_density_kg_m3,
         "viscosity_pa_s": material.viscosity_pa_s,
         "temperature_c": [min(index.temperatures_c), max(index.temperatures_c)] if index.temperatures_c else None,
-        "detected": _sizes(pq.ParquetFile(folder / "droplets.parquet"), index.n_frames),
-        "tracked": _sizes(tracked, index.n_frames) | {"found_by_prediction_share": _share_predicted(tracked)},
+        "detected": _detected(pq.ParquetFile(folder / "droplets.parquet"), index.n_frames),
+        "tracked": _tracked(folder, tracked, index.n_frames, experiment.pixel_size_um, out_of_focus=out_of_focus),
         "n_trajectories": len(n_frames_of),
         "mean_trajectory_frames": float(n_frames_of.mean()) if len(n_frames_of) else None,
         "n_rejected_trajectories": _rejected(folder / "rejected_trajectories.parquet"),
@@ -87,16 +97,41 @@ def _periods(found: Findings) -> list[dict[str, float | bool]]:
     ]
 
 
-def _sizes(table: pq.ParquetFile, n_frames: int) -> dict[str, float | int | None]:
-    """Moments of the radii in a table of droplets; d32 = sum d^3 / sum d^2 is the Sauter diameter."""
+def _detected(table: pq.ParquetFile, n_frames: int) -> dict[str, float | int | None]:
+    """Numbers and radii of all detections."""
     sums = np.zeros(4)
     for batch in table.iter_batches(columns=["r_um"]):
         radius_um = batch["r_um"].to_numpy()
         sums += [np.sum(radius_um**power) for power in range(4)]
+    return _numbers(table, n_frames) | _radii(sums)
+
+
+def _tracked(
+    folder: Path, table: pq.ParquetFile, n_frames: int, pixel_size_um: float, *, out_of_focus: bool
+) -> dict[str, float | int | None]:
+    """Numbers of droplets in trajectories, and radii of those that the size distribution counts."""
+    sums = np.zeros(4)
+    for rows in counted_droplets(folder, pixel_size_um=pixel_size_um, out_of_focus=out_of_focus):
+        radius_um, weight = rows["r_um"].to_numpy(), rows["weight"].to_numpy()
+        sums += [np.sum(weight * radius_um**power) for power in range(4)]
+    return {
+        **_numbers(table, n_frames),
+        **_radii(sums),
+        "found_by_prediction_share": _share_without(table, "is_detected"),
+        "out_of_focus_share": _share_without(table, "is_in_focus"),
+        "n_counted": float(sums[0]),
+    }
+
+
+def _numbers(table: pq.ParquetFile, n_frames: int) -> dict[str, float | int | None]:
+    n = table.metadata.num_rows
+    return {"n_droplets": n, "n_droplets_per_frame": n / n_frames}
+
+
+def _radii(sums: npt.NDArray[np.float64]) -> dict[str, float | int | None]:
+    """From sums of r^0 to r^3; d32 = sum d^3 / sum d^2 is the Sauter diameter."""
     n, first, second, third = sums
     return {
-        "n_droplets": int(n),
-        "n_droplets_per_frame": float(n / n_frames),
         "mean_radius_um": float(first / n) if n else None,
         "radius_std_um": math.sqrt(max(second / n - (first / n) ** 2, 0.0)) if n else None,
         "sauter_radius_um": float(third / second) if n else None,
@@ -112,9 +147,12 @@ def _n_frames_of_trajectories(table: pq.ParquetFile) -> npt.NDArray[np.int64]:
     return np.fromiter(counts.values(), np.int64, len(counts))
 
 
-def _share_predicted(table: pq.ParquetFile) -> float | None:
-    n_predicted = sum(batch["is_detected"].false_count for batch in table.iter_batches(columns=["is_detected"]))
-    return n_predicted / table.metadata.num_rows if table.metadata.num_rows else None
+def _share_without(table: pq.ParquetFile, flag: str) -> float | None:
+    """Rows in which the flag is not set, over all; None where there are none, or no such column."""
+    if not table.metadata.num_rows or flag not in table.schema_arrow.names:
+        return None
+    n_without = sum(int(batch[flag].false_count) for batch in table.iter_batches(columns=[flag]))
+    return n_without / int(table.metadata.num_rows)
 
 
 def _rejected(path: Path) -> dict[str, int]:

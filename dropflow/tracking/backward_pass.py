@@ -72,15 +72,15 @@ class BackwardPass:
         earlier = replace(found, trajectory_id=self._renamed(found.trajectory_id)).sorted()
         # A droplet that is only thought to be there, and never seen again, has left before.
         earlier = earlier[earlier.is_seen | np.isin(earlier.trajectory_id, self._front.trajectory_id)]
-        predicted_px = np.zeros((2, len(earlier)))
+        predicted_px, arrived_px = None, None
         if frame + 1 < self._film.n_frames:
             motion = self._film.motion(self._chain.motion, frame)
             look = self._film.look_at(frame, then=frame - 1)
             step = self._walk.step(self._front, earlier, look, self._film.dt_s(frame), motion, self._notes_of_step)
-            earlier, predicted_px = step.front, step.predicted_px
+            earlier, predicted_px, arrived_px = step.front, step.predicted_px, step.arrived_px
             self._merged = np.concatenate([self._merged, np.column_stack([step.merged, step.merged_into])])
         self._front = earlier
-        self._trails, complete = self._trails.extend(earlier, frame, predicted_px)
+        self._trails, complete = self._trails.extend(earlier, frame, predicted_px, arrived_px)
         return complete
 
     def _renamed(self, found_ids: Indices) -> Indices:

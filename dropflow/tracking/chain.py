@@ -65,6 +65,8 @@ class StepBack:
     merged_into: Indices
     predicted_px: Column
     """Shape (2, n): how far each droplet of the front should move in the step."""
+    arrived_px: Column
+    """Shape (2, m): the same of those droplets of the later front whose trajectories began there."""
 
 
 class BackwardWalk(LaterWalk, Protocol):

@@ -10,7 +10,7 @@ import pyarrow as pa
 import pyarrow.compute as pc
 import zarr
 
-from dropflow.tables import TRAJECTORIES
+from dropflow.tables import SIZE_COLUMNS, TRAJECTORIES
 from dropflow.tracking.chain import Chain
 from dropflow.tracking.checkpoint import Arrays, Spool
 from dropflow.tracking.film import Film
@@ -25,7 +25,10 @@ from dropflow.tracking.saving import load_columns, load_front, prefixed, save_co
 from dropflow.tracking.stages import Tick
 
 Columns = dict[str, npt.NDArray[Any]]
-"""Rows of `dropflow.tables.TRAJECTORIES`, by the names of their columns."""
+"""Rows of `FOLLOWED`, by the names of their columns."""
+
+FOLLOWED = pa.schema([column for column in TRAJECTORIES if column.name not in SIZE_COLUMNS])
+"""Rows of `dropflow.tables.TRAJECTORIES` without what only the whole film tells."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +43,7 @@ class Spools:
     """Rows after backward tracking."""
     verdicts: Spool
     kept: Spool
-    """Rows of `dropflow.tables.TRAJECTORIES`, each part sorted by (trajectory_id, frame)."""
+    """Rows of `FOLLOWED`, each part sorted by (trajectory_id, frame)."""
     rejected: Spool
 
     @staticmethod
@@ -108,9 +111,9 @@ class FinalPass:
         if frames[-1] == self._film.n_frames - 1:
             tables.append(self._rows(frames[-1]))
             flows.extend(self._flows.finish())
-        rows = {name: np.concatenate([np.empty(0), *(some[name] for some in tables)]) for name in TRAJECTORIES.names}
+        rows = {name: np.concatenate([np.empty(0), *(some[name] for some in tables)]) for name in FOLLOWED.names}
         order = np.lexsort((rows["frame"], rows["trajectory_id"]))
-        self._spools.kept.write(turn, pa.table({name: rows[name][order] for name in rows}, schema=TRAJECTORIES))
+        self._spools.kept.write(turn, pa.table({name: rows[name][order] for name in rows}, schema=FOLLOWED))
         self._store(flows)
 
     def _store(self, flows: list[FlowField]) -> None:

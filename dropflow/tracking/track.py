@@ -27,7 +27,7 @@ from dropflow.tracking.chain import Chain
 from dropflow.tracking.checkpoint import Arrays, Checkpoint, Position
 from dropflow.tracking.events import EVENTS, Surroundings
 from dropflow.tracking.film import FRAMES_PER_PART, Film
-from dropflow.tracking.filtering import VERDICTS, Reason
+from dropflow.tracking.filtering import Reason
 from dropflow.tracking.final_pass import FinalPass, Spools
 from dropflow.tracking.forward_pass import ForwardPass
 from dropflow.tracking.grid import Grid
@@ -35,10 +35,11 @@ from dropflow.tracking.paper import PaperChain, PaperRules
 from dropflow.tracking.prediction import Motion
 from dropflow.tracking.probable import ProbableChain
 from dropflow.tracking.shifts import shifts_of_flow_px, steadied_flow, steadied_rows
+from dropflow.tracking.sizes import REJECTED, learn_sizes
 from dropflow.tracking.stages import Stage
 
 _DONE = "done"
-_STATE_VERSION = 3
+_STATE_VERSION = 4
 """Of what checkpoints and spools hold: to be raised when an older one could not be gone on from."""
 _N_WALKS = 4
 """Forward, backward, final, and sorting, which counts as much as another walk."""
@@ -51,7 +52,7 @@ class TrackingResult:
     trajectories: Path
     """Rows of `dropflow.tables.TRAJECTORIES`, sorted by (trajectory_id, frame)."""
     rejected: Path
-    """Rows of `dropflow.tracking.filtering.VERDICTS`, sorted by trajectory_id; ids are shared with trajectories."""
+    """Rows of `dropflow.tracking.sizes.REJECTED`, sorted by trajectory_id; ids are shared with trajectories."""
     events: Path
     """Rows of `dropflow.tracking.events.EVENTS`, sorted by frame: births, coalescences and exits."""
     flow: Path
@@ -222,19 +223,28 @@ def _assemble(
     shifts_px = shifts_of_flow_px(raw_flow, film.times_s, chain.motion.pixel_size_um)
     push_um_s = shifts_px * (chain.motion.pixel_size_um / np.diff(film.times_s))[:, None]
 
+    around = Surroundings(chain.grid, chain.motion)
+    happened = events(spools.kept, final.n_parts, raw_flow, shifts_px, film.times_s, around)
+    write_table(folder / "events.parquet", EVENTS, in_groups(happened, EVENTS), about)
+    sizes = learn_sizes(
+        spools.kept,
+        spools.verdicts,
+        final.n_parts,
+        n_frames=film.n_frames,
+        events=folder / "events.parquet",
+        motion=chain.motion,
+    )
+
     def counted() -> Iterator[pa.Table]:
         n_written = 0
         for table in sorted_trajectories(spools.kept, final.ranges, final.n_parts):
-            yield steadied_rows(table, push_um_s)
+            yield sizes.complete(steadied_rows(table, push_um_s))
             n_written += len(table)
             steps.reach_share_of_last(n_written / n_rows)
 
     write_table(folder / "trajectories.parquet", TRAJECTORIES, counted(), about)
-    rejected = (spools.rejected.read(part) for part in range(final.n_parts))
-    write_table(folder / "rejected_trajectories.parquet", VERDICTS, in_groups(rejected, VERDICTS), about)
-    around = Surroundings(chain.grid, chain.motion)
-    happened = events(spools.kept, final.n_parts, raw_flow, shifts_px, film.times_s, around)
-    write_table(folder / "events.parquet", EVENTS, in_groups(happened, EVENTS), about)
+    rejected = (sizes.judged(spools.rejected.read(part)) for part in range(final.n_parts))
+    write_table(folder / "rejected_trajectories.parquet", REJECTED, in_groups(rejected, REJECTED), about)
     if final.flow_path.exists():
         steadied = final.flow_path
         if push_um_s.any():  # what was measured stays until all is done, so that all can be done again

@@ -68,6 +68,6 @@ def retreat(
     if n_grown or len(merged_tails):
         links = Links.between(front, later)
         final = rules.flow_between(front.droplets[links.earlier], later.droplets[links.later], dt_s)
-    predicted_px = rules.motion.step_px(front.droplets, final, dt_s)
+    predicted_px, arrived_px = (rules.motion.step_px(one.droplets, final, dt_s) for one in (front, later))
     merged_into = later.trajectory_id[heads_of_merged]
-    return StepBack(front, earlier.trajectory_id[merged_tails], merged_into, predicted_px), final
+    return StepBack(front, earlier.trajectory_id[merged_tails], merged_into, predicted_px, arrived_px), final

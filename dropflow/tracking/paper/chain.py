@@ -49,6 +49,7 @@ class PaperChain:
             trails,
             shortest_frames=self.rules.tracking.shortest_trajectory_frames,
             stationary_fraction=self.rules.tracking.paper.stationary_fraction,
+            frame_px=(self.rules.grid.height_px, self.rules.grid.width_px),
         )
 
     def settings(self) -> Any:

@@ -64,8 +64,10 @@ class ProbableBackward:
         grown = Front.of(later.trajectory_id[heads[followed.searched]], followed.sighted, is_detected=False)
         grown = replace(grown, evidence=np.full(len(grown), SIGHTING_EVIDENCE))
         front = Front.concatenate([replace(earlier, trajectory_id=ids), grown]).sorted()
-        predicted_px = self._steps_px(front, flow, dt_s)
-        return StepBack(front, earlier.trajectory_id[merged_tails], later.trajectory_id[merged_heads], predicted_px)
+        merged, into = earlier.trajectory_id[merged_tails], later.trajectory_id[merged_heads]
+        arrived_px = np.zeros((2, len(later)))
+        arrived_px[:, heads] = self._steps_px(later[heads], flow, dt_s)
+        return StepBack(front, merged, into, self._steps_px(front, flow, dt_s), arrived_px)
 
     def _expected(self, begin: Front, flow: WaveFlow | None, dt_s: float, spacing_px: float) -> Predicted:
         """Where the droplets of trajectories that begin were one frame earlier."""

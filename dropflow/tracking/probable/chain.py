@@ -51,6 +51,7 @@ class ProbableChain:
             stationary_fraction=_STATIONARY_FRACTION,
             least_evidence=_LEAST_EVIDENCE,
             sure_pair_evidence=_SURE_PAIR_EVIDENCE,
+            frame_px=(self.grid.height_px, self.grid.width_px),
         )
 
     def settings(self) -> Any:

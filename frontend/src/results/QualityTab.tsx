@@ -136,6 +136,8 @@ function Warnings({ run }: { run: Run }) {
 const OF_RANGE = " Those whose middle in time and mean radius lie in what you look at.";
 
 const REASONS: Record<string, string> = {
+  brief:
+    "In view in too few frames to make a trajectory; counts in the size distribution as far as it is probable.",
   short: "Seen in too few frames to be sure that it is a droplet.",
   stationary: "Did not move with the flow, as dirt on the chip does not.",
   doubtful: "Chance alone makes such a trajectory too easily.",

@@ -9,6 +9,7 @@ import type { Asked } from "./asked";
 import { FigureCard, PaperAndTable } from "./FigureCard";
 import type { Mark, Range } from "./figure";
 import { COLOUR_BAR_PX } from "./fitting";
+import { HowCounted } from "./HowCounted";
 import { NotYet } from "./NotYet";
 import { useTimeAxis } from "./oscillations";
 import { Plot } from "./Plot";
@@ -56,6 +57,7 @@ export function SizesTab({ run }: { run: Run }) {
           )
         }
       >
+        <HowCounted run={run} />
         <div className="side-by-side" style={{ "--colour-bar": `${COLOUR_BAR_PX}px` } as CSSProperties}>
           <div>
             <MapTitle run={run} entry={entryOf("size_distribution_before")} asked={finer}>

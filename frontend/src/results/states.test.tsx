@@ -2,6 +2,7 @@ import { MantineProvider } from "@mantine/core";
 import { render, screen } from "@testing-library/react";
 import { expect, it } from "vitest";
 import type { Run } from "../client";
+import { HowCounted } from "./HowCounted";
 import { NotYet } from "./NotYet";
 import { OfAllRadii } from "./QualityTab";
 
@@ -28,4 +29,36 @@ it.each([
     </MantineProvider>,
   );
   expect(document.body.textContent).toContain(words);
+});
+
+it.each([
+  [{}, {}, "An earlier version made this run"],
+  [{ n_counted: 9, out_of_focus_share: 0.25 }, {}, "25 % of the droplets on trajectories are out of focus"],
+  [{ n_counted: 9, out_of_focus_share: 0.25 }, {}, "but not counted here"],
+  [
+    { n_counted: 9, out_of_focus_share: 0.25 },
+    { count_out_of_focus: true },
+    "and counted as the parameters say",
+  ],
+])("a size distribution says which droplets it counts", (tracked, tracking, words) => {
+  render(
+    <MantineProvider>
+      <HowCounted run={{ summary: { tracked }, parameters: { tracking } } as unknown as Run} />
+    </MantineProvider>,
+  );
+  expect(document.body.textContent).toContain(words);
+});
+
+it("a size distribution that counts all droplets needs no words", () => {
+  render(
+    <MantineProvider>
+      <p>nothing</p>
+      <HowCounted
+        run={
+          { summary: { tracked: { n_counted: 9, out_of_focus_share: 0 } }, parameters: {} } as unknown as Run
+        }
+      />
+    </MantineProvider>,
+  );
+  expect(screen.queryByText(/out of focus/)).toBeNull();
 });

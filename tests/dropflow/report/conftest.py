@@ -44,7 +44,7 @@ def write_results(folder: Path, film: Path, scenario: Scenario, *, experiment: d
         "duration_s": float((n_frames - 1) * scenario.frame_interval_s),
         "field_of_view_um": [scenario.width_px * scenario.pixel_size_um, scenario.height_px * scenario.pixel_size_um],
         "detected": sizes,
-        "tracked": sizes | {"found_by_prediction_share": 0.0},
+        "tracked": sizes | {"found_by_prediction_share": 0.0, "out_of_focus_share": 0.0, "n_counted": float(len(rows))},
         "n_rejected_trajectories": {"short": 3},
         "provenance": {
             "dropflow_version": code_version(),

@@ -1,3 +1,4 @@
+import pyarrow as pa
 import pytest
 
 from dropflow.scoring import match_to_truth, score_size_distribution
@@ -47,3 +48,12 @@ def test_real_droplets_that_are_not_visible_count_as_false_but_can_be_left_out()
 def test_no_result_at_all_gives_one() -> None:
     score = _score([])
     assert (score.l1, score.l1_shape) == (1, None)
+
+
+def test_radii_count_with_their_errors_and_droplets_with_their_weights() -> None:
+    """Half of each droplet leaves half of the distance; an error that reaches over the edge of a bin adds some."""
+    table = results(as_results(PATHS))
+    half = table.append_column("weight", pa.array([0.5] * len(table)))
+    assert score_size_distribution(match_to_truth(half, truth(PATHS))).l1 == pytest.approx(0.5)
+    wide = table.append_column("r_std_um", pa.array([1.0] * len(table)))
+    assert 0.1 < score_size_distribution(match_to_truth(wide, truth(PATHS))).l1 < 1.9

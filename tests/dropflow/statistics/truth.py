@@ -29,6 +29,9 @@ def write_as_trajectories(truth: Path, output: Path, *, radius_std: float = 0.0,
         probability=pl.lit(1.0),
         match=pl.lit(1.0),
         is_detected=pl.lit(value=True),
+        r_smooth_um=pl.col("r_um") * noise,
+        r_smooth_std_um=pl.lit(0.0),
+        is_in_focus=pl.lit(value=True),
     )
     pq.write_table(rows.select(TRAJECTORIES.names).to_arrow().cast(TRAJECTORIES), output)
 

@@ -55,3 +55,32 @@ def test_nothing_is_stationary_in_a_fluid_that_is() -> None:
     """Where no motion is predicted there is nothing to compare with."""
     paths = {0: [(0, 10, 10), (1, 10, 10), (2, 10, 10)]}
     assert reasons(walk_back(paths, (0.0, 0.0)), shortest_frames=3, stationary_fraction=0.5).tolist() == [""]
+
+
+def in_view(x_px: float, *, entering_px: float, leaving_px: float, first_frame: int = 5, n_frames: int = 1) -> str:
+    """The verdict on one trajectory in a frame 100 px wide that should move as said before and after it."""
+    steps = [np.array([[px], [0.0]]) for px in (entering_px, leaving_px)]
+    here = front([3], droplets_at([(x_px, 50.0, 5.0)]))
+    trails = Trails.begin(Front.empty(), 20)
+    for frame in reversed(range(first_frame, first_frame + n_frames)):
+        trails, _ = trails.extend(here, frame, steps[1])
+    _, complete = trails.extend(Front.empty(), first_frame - 1, np.empty((2, 0)), steps[0])
+    return str(reasons(complete, shortest_frames=3, stationary_fraction=0.0, frame_px=(100, 100))[0])
+
+
+def test_what_crosses_the_view_in_fewer_frames_than_needed_is_brief() -> None:
+    """It came from outside and goes there again; one that should still be there, or have been, is short."""
+    assert in_view(50, entering_px=60, leaving_px=60) == "brief"
+    assert in_view(80, entering_px=20, leaving_px=40) == "short"
+    assert in_view(80, entering_px=45, leaving_px=40) == "brief"
+    assert in_view(80, entering_px=90, leaving_px=40, n_frames=2) == "brief"
+    assert in_view(50, entering_px=0, leaving_px=0) == "short"
+
+
+def test_what_the_film_begins_or_ends_with_is_brief() -> None:
+    """Nobody knows for how long it was in view; without the size of the frames it is short as ever."""
+    trails = walk_back({0: [(0, 50, 50)], 1: [(2, 20, 20)], 2: [(4, 70, 70)]}, (0.0, 0.0))
+    judged = reasons(trails, shortest_frames=3, stationary_fraction=0.0, frame_px=(100, 100))
+    assert judged.tolist() == ["brief", "short", "short"]
+    trails = trails[:2]
+    assert reasons(trails, shortest_frames=3, stationary_fraction=0.0).tolist() == ["short", "short"]

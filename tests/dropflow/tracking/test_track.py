@@ -16,7 +16,8 @@ from dropflow.droplets import Droplets
 from dropflow.errors import Cancelled, ExperimentError, ResultsError
 from dropflow.tables import TRAJECTORIES
 from dropflow.tracking.film import FRAMES_PER_PART
-from dropflow.tracking.filtering import VERDICTS, Reason
+from dropflow.tracking.filtering import Reason
+from dropflow.tracking.sizes import REJECTED
 from tests.dropflow.tracking.generated import Film, experiment, film, vortices
 from tests.dropflow.tracking.tracked import link_scores, long_film, read, tracked
 
@@ -89,7 +90,7 @@ def test_each_detection_is_in_one_trajectory_kept_or_rejected(method: str, tmp_p
     table, rejected = read(result), pq.read_table(result.rejected)
     places = list(zip(*(table[name].to_pylist() for name in ("frame", "x_px", "y_px")), strict=True))
     assert len(set(places)) == len(places)
-    assert rejected.schema.remove_metadata() == VERDICTS
+    assert rejected.schema.remove_metadata() == REJECTED
     n_detected = pc.sum(table["is_detected"]).as_py() + pc.sum(rejected["n_detected"]).as_py()
     assert n_detected == sum(len(droplets) for droplets in given.frames)
     kept_ids, rejected_ids = set(table["trajectory_id"].to_pylist()), rejected["trajectory_id"].to_pylist()
@@ -108,7 +109,8 @@ def test_dirt_is_no_trajectory(method: str, tmp_path: Path) -> None:
     result = tracked(replace(given, frames=frames), tmp_path, method)
     assert (300.0, 200.0) not in zip(*(read(result)[name].to_pylist() for name in ("x_px", "y_px")), strict=True)
     rejected = pq.read_table(result.rejected).filter(pc.field("x_px") == 300.0)
-    assert set(rejected["reason"].to_pylist()) == ({"stationary"} if method == "paper" else {"short"})
+    assert set(rejected["reason"].to_pylist()) == ({"stationary"} if method == "paper" else {"short", "brief"})
+    assert pc.sum(rejected["weight"]).as_py() <= 1.0  # of 8 frames: at the ends of the film, and there in part
 
 
 def test_the_flow_is_stored_for_each_step(method: str, tmp_path: Path) -> None:
@@ -196,7 +198,7 @@ def test_a_single_frame_has_no_trajectories_and_no_flow(method: str, tmp_path: P
     result = tracked(given, tmp_path, method)
     assert len(read(result)) == 0
     assert zarr.open_group(result.flow, mode="r")["velocity_um_s"].shape == (0, 2, 20, 25)
-    assert result.n_rejected == dict.fromkeys(Reason, 0) | {Reason.SHORT: len(given.frames[0])}
+    assert result.n_rejected == dict.fromkeys(Reason, 0) | {Reason.BRIEF: len(given.frames[0])}
 
 
 def test_a_film_without_droplets_has_empty_results(method: str, tmp_path: Path) -> None:
