@@ -10,6 +10,7 @@ from dropflow.tracking.prediction import Motion
 from dropflow.tracking.probable.directions import Up, unturned
 from dropflow.tracking.probable.memory import Memory
 from dropflow.tracking.probable.regression import WaveFlow
+from dropflow.tracking.probable.ways import ways
 
 _UNKNOWN_FLOW_SPACINGS = 0.25
 """Where nothing is known of the flow, droplets are thought to move about this part of their spacing in a step."""
@@ -76,8 +77,6 @@ class Expectation:
         if self.flow is None:
             unknown = np.full(len(droplets), (_UNKNOWN_FLOW_SPACINGS * self.spacing_px) ** 2)
             return step_px, unknown, unknown
-        flow_um_s = self.flow.at(droplets.x_px + step_px[0] / 2, droplets.y_px + step_px[1] / 2)
-        step_px = (own_um_s + flow_um_s) * px
-        flow_um_s, variance = self.flow.with_variance(droplets.x_px + step_px[0] / 2, droplets.y_px + step_px[1] / 2)
-        variance = (variance + self.change_um_s**2) * px**2
-        return (own_um_s + flow_um_s) * px, variance[0], variance[1]
+        way = ways(self.flow, np.stack([droplets.x_px, droplets.y_px]), step_px, px)
+        variance = (self.flow.variance_at(*way.middle) + self.change_um_s**2) * px**2
+        return way.step, variance[0], variance[1]

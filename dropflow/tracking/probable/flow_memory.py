@@ -10,6 +10,7 @@ from dropflow.tracking.grid import CornerGrid, Grid
 from dropflow.tracking.probable.directions import Up
 from dropflow.tracking.probable.flow_record import load_flow, load_model, save_flow, save_model
 from dropflow.tracking.probable.least_squares import Model, Observations
+from dropflow.tracking.probable.lost_places import LostPlaces
 from dropflow.tracking.probable.regression import WaveFlow, regress
 from dropflow.tracking.probable.spectrum_estimate import estimate_spectrum
 from dropflow.tracking.saving import load_columns, prefixed, save_columns, without_prefix
@@ -83,13 +84,18 @@ class FlowMemory:
             return 0.0, _UNKNOWN_STOKES_VARIANCE
         return self.model.factor_mean, self.model.factor_variance
 
-    def flow_with(self, seen: Observations, dt_s: float) -> WaveFlow | None:
-        """The flow of the step that follows, `dt_s` long, from what was seen of it and in the steps before."""
+    def flow_with(self, seen: Observations, dt_s: float, lost: LostPlaces | None = None) -> WaveFlow | None:
+        """The flow of the step that follows, `dt_s` long, from what was seen of it and in the steps before.
+
+        Where places are `lost`, the steps before say nothing of them.
+        """
         parts = [self._aged(step, age + dt_s / 2) for step, age in zip(self._steps, self._ages_s, strict=True)]
+        if lost is not None:
+            parts = [lost.without(step) for step in parts]
         together = Observations.concatenate([*parts, seen])
         if self.model is None or not len(together):
             return None
-        return regress(together, self.model, like=self.last)
+        return regress(together, self.model, like=self.last if lost is None else None)
 
     def learn(self, seen: Observations, flow: WaveFlow | None, dt_s: float) -> None:
         """Remember a step that is over: what was seen of it and the flow that was found."""
@@ -132,6 +138,12 @@ class FlowMemory:
     def forget(self) -> None:
         """Forget the flow, which is not what it was; Stokes' factor stays."""
         self._steps, self._ages_s, self._n_steps, self.last = [], [], 0, None
+
+    def forget_places(self, lost: LostPlaces) -> None:
+        """Forget what was seen there, which was something else."""
+        left = [(lost.without(step), age) for step, age in zip(self._steps, self._ages_s, strict=True)]
+        self._steps = [step for step, _ in left if len(step)]
+        self._ages_s = [age for step, age in left if len(step)]
 
     def _note(self, flow: WaveFlow, dt_s: float) -> None:
         if self.last is not None:

@@ -13,8 +13,9 @@ from dropflow.tracking.front import Front
 from dropflow.tracking.grid import Column, Grid
 from dropflow.tracking.prediction import Motion
 from dropflow.tracking.probable.flow_memory import FlowMemory
+from dropflow.tracking.probable.flow_record import load_flow, save_flow
 from dropflow.tracking.probable.least_squares import Model, Observations, Sums
-from dropflow.tracking.probable.observing import observe
+from dropflow.tracking.probable.observing import along_ways, observe
 from dropflow.tracking.probable.regression import WaveFlow, regress_sums, sums_of
 from dropflow.tracking.saving import load_columns, prefixed, save_columns, without_prefix
 
@@ -30,6 +31,8 @@ class _Step:
     """A step, and what several fields need of it, reckoned once."""
 
     seen: Observations
+    px_per_um_s: float
+    """Displacement in the step by a velocity of 1 um/s."""
     _sums: Sums | None = None
 
     @cached_property
@@ -43,6 +46,12 @@ class _Step:
             self._sums = sums_of(self.seen, model)
         return self._sums
 
+    def along_ways(self, flow: WaveFlow | None) -> "_Step":
+        """With velocities along the ways in a flow; as it is where none is known."""
+        if flow is None:
+            return self
+        return _Step(along_ways(self.seen, flow, self.px_per_um_s), self.px_per_um_s)
+
 
 class ProbableFlows:
     """Regression over a few steps around each."""
@@ -52,6 +61,8 @@ class ProbableFlows:
         self._motion = motion
         self._flow = FlowMemory(grid, motion.up, divergence)
         self._window: list[_Step] = []
+        self._last: WaveFlow | None = None
+        """The flow of the step before, along whose ways velocities are taken."""
         self._n_after = 0
         """Steps of the window whose field is still to come."""
 
@@ -68,7 +79,7 @@ class ProbableFlows:
             log_r_variance=after.log_r_std**2,
             weight=weight,
         )
-        self._window.append(_Step(seen))
+        self._window.append(_Step(seen, dt_s / motion.pixel_size_um).along_ways(self._last))
         self._n_after += 1
         return [self._next()] if self._n_after > _LAG else []
 
@@ -77,11 +88,13 @@ class ProbableFlows:
         return [self._next() for _ in range(self._n_after)]
 
     def _next(self) -> FlowField:
+        flow = self._regressed()
+        if flow is not None and self._last is None:  # found as if all ways were straight
+            self._window = [step.along_ways(flow) for step in self._window]
+            flow = self._regressed()
         centre = len(self._window) - self._n_after
-        here = self._window[centre]
-        near = self._window[max(centre - _LAG, 0) : centre + _LAG + 1]
-        around = [step for step in near if step is here or not self._has_jumped(here, step)]
-        field = self._field(here, around)
+        field = unknown_flow(self._grid) if flow is None else on_grid(flow, self._window[centre].seen, self._grid)
+        self._last = flow or self._last
         self._n_after -= 1
         self._window = self._window[max(centre + 1 - _LAG, 0) :]
         return field
@@ -93,17 +106,22 @@ class ProbableFlows:
         jump_um_s = np.hypot(*(other.usual_um_s - here.usual_um_s))
         return bool(jump_um_s > _MOST_JUMP_RMS * self._flow.model.spectrum.rms_um_s)
 
-    def _field(self, here: _Step, around: list[_Step]) -> FlowField:
+    def _regressed(self) -> WaveFlow | None:
+        """The flow of the step whose field is next."""
+        centre = len(self._window) - self._n_after
+        here = self._window[centre]
+        near = self._window[max(centre - _LAG, 0) : centre + _LAG + 1]
+        around = [step for step in near if step is here or not self._has_jumped(here, step)]
         n_seen = sum(len(step.seen) for step in around)
         if self._flow.model is None and n_seen:
             self._flow.estimate([Observations.concatenate([step.seen for step in around])])
         if self._flow.model is None or not n_seen:
-            return unknown_flow(self._grid)
+            return None
         first, *others = (step.summed_under(self._flow.model) for step in around)
         flow = regress_sums(sum(others, start=first), self._flow.model)
         mean, variance = flow.stokes_error
         self._flow.model = replace(self._flow.model, factor_mean=mean, factor_variance=max(variance, 1e-5))
-        return on_grid(flow, here.seen, self._grid)
+        return flow
 
     def learn_from(self, arrays: Arrays) -> None:
         """Take up the model of the flow."""
@@ -114,13 +132,21 @@ class ProbableFlows:
         arrays = prefixed("flow.", self._flow.state())
         for index, step in enumerate(self._window):
             arrays |= save_columns(f"window{index}", step.seen)
-        return arrays | {"window": np.array([len(self._window), self._n_after])}
+        if self._last is not None:
+            arrays |= prefixed("last.", save_flow(self._last))
+        px_per_um_s = np.array([step.px_per_um_s for step in self._window])
+        return arrays | {"window": np.array([len(self._window), self._n_after]), "px_per_um_s": px_per_um_s}
 
     def restore(self, arrays: Arrays) -> None:
         """Go on from `arrays`."""
         self._flow.restore(without_prefix("flow.", arrays))
-        n_window, self._n_after = arrays["window"].tolist()
-        self._window = [_Step(load_columns(f"window{index}", Observations, arrays)) for index in range(n_window)]
+        _, self._n_after = arrays["window"].tolist()
+        self._window = [
+            _Step(load_columns(f"window{index}", Observations, arrays), px_per_um_s)
+            for index, px_per_um_s in enumerate(arrays["px_per_um_s"].tolist())
+        ]
+        last = without_prefix("last.", arrays)
+        self._last = load_flow(last, self._motion.up) if last else None
 
 
 def on_grid(flow: WaveFlow, here: Observations, grid: Grid) -> FlowField:

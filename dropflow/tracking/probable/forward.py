@@ -18,7 +18,7 @@ from dropflow.tracking.probable.flow_memory import FlowMemory
 from dropflow.tracking.probable.flow_record import save_flow
 from dropflow.tracking.probable.forward_step import ForwardStep, Outcome
 from dropflow.tracking.probable.memory import Memory
-from dropflow.tracking.probable.observing import deviations, observe
+from dropflow.tracking.probable.observing import along_ways, deviations, observe
 from dropflow.tracking.probable.regression import WaveFlow
 from dropflow.tracking.probable.scales import Scales
 from dropflow.tracking.probable.search import SIMILAR_RATIO, sure_look
@@ -137,6 +137,7 @@ class ProbableForward:
             log_r_variance=memory.log_r_variance,
             weight=np.ones(len(before)),
         )
+        seen = along_ways(seen, flow, dt_s / self._motion.pixel_size_um)
         across, along = deviations(seen, flow)
         variance = (seen.across_variance + seen.along_variance) / 2 + self._flow.noise_um_s**2 / 3
         return memory.moved(across, along, variance)

@@ -13,8 +13,9 @@ from dropflow.tracking.probable.association import Association, Chances, associa
 from dropflow.tracking.probable.expectation import Expectation, Predicted
 from dropflow.tracking.probable.flow_memory import FlowMemory
 from dropflow.tracking.probable.least_squares import Observations
+from dropflow.tracking.probable.lost_places import LostPlaces, lost_places
 from dropflow.tracking.probable.memory import Memory
-from dropflow.tracking.probable.observing import deviations, observe, trusted
+from dropflow.tracking.probable.observing import along_ways, deviations, observe, trusted
 from dropflow.tracking.probable.regression import WaveFlow, regress
 from dropflow.tracking.probable.scales import Scales
 
@@ -22,6 +23,8 @@ _MOST_ROUNDS = 6
 """Of pairs and flow in turn, when nothing was known."""
 _ITERATIONS_AGAIN = 6
 """For the spectrum, when a few more pairs have been found."""
+_MOST_RECOVERIES, _MOST_GROWTHS = 4, 3
+"""Times that the flow is found again where it was wrong, and rounds of pairs and flow in each."""
 _LOST_SHARE = 0.3
 """When fewer of the droplets than this are found where the flow takes them, the flow is not what it was."""
 _LEAST_ELECTED = 4
@@ -56,19 +59,49 @@ class ForwardStep:
 
     def solve(self) -> Outcome:
         """Pairs under the flow that was, the flow of these pairs, and pairs under that."""
-        predicted, association = self._associate(self.known.last, self.known.change_um_s2 * self.dt_s)
-        flow = self.known.last
-        if self.known.may_be_sought and (flow is None or self._is_lost(association)):
+        found = self._under(self.known.last, self.known.change_um_s2 * self.dt_s)
+        if self.known.may_be_sought and (found.flow is None or self._is_lost(found.association)):
             first = self._flow_from_nothing()
             if first is not None:
-                flow = first
-                predicted, association = self._associate(flow, 0.0)
-        seen = self._seen(association)
-        if flow is not None:
-            flow = self.known.flow_with(seen, self.dt_s)
-            predicted, association = self._associate(flow, 0.0)
-            seen = self._seen(association)
-        return Outcome(predicted, association, seen, flow)
+                found = self._under(first)
+        if found.flow is not None:
+            found = self._recovered(self._under(self.known.flow_with(found.seen, self.dt_s)))
+        return found
+
+    def _under(self, flow: WaveFlow | None, change_um_s: float = 0.0) -> Outcome:
+        """What is seen under a flow."""
+        predicted, association = self._associate(flow, change_um_s)
+        return Outcome(predicted, association, self._seen(association, flow), flow)
+
+    def _recovered(self, found: Outcome) -> Outcome:
+        """Where droplets are missing all around, the flow was wrong: it is found again from those around the place."""
+        for _ in range(_MOST_RECOVERIES):
+            lost = self._lost_places(found)
+            if lost is None:
+                break
+            again = self._grown(lost.without(found.seen), lost)
+            if again.association.probability.sum() <= found.association.probability.sum():
+                break
+            self.known.forget_places(lost)
+            found = again
+        return found
+
+    def _lost_places(self, found: Outcome) -> LostPlaces | None:
+        place = found.predicted.droplets
+        is_found = np.zeros(len(place), bool)
+        is_found[found.association.pairs().first] = True
+        inside = self.grid.contains(place.x_px, place.y_px) & (self.memory.n_undetected == 0)
+        return lost_places(place.x_px[inside], place.y_px[inside], is_found[inside])
+
+    def _grown(self, seen: Observations, lost: LostPlaces) -> Outcome:
+        """Pairs and flow in turn, as long as there are more and more pairs; nothing is known of the lost places."""
+        found = self._under(self.known.flow_with(seen, self.dt_s, lost))
+        for _ in range(_MOST_GROWTHS):
+            again = self._under(self.known.flow_with(found.seen, self.dt_s, lost))
+            if len(again.seen) <= len(found.seen):
+                break
+            found = again
+        return found
 
     @property
     def _spacing_px(self) -> float:
@@ -85,17 +118,17 @@ class ForwardStep:
         chances = Chances(self.scales.detected, surprises / (self.grid.height_px * self.grid.width_px))
         return predicted, associate(predicted, self.detected, chances)
 
-    def _seen(self, association: Association) -> Observations:
+    def _seen(self, association: Association, flow: WaveFlow | None) -> Observations:
         """What probable pairs say of the flow."""
         pairs = association.pairs()
         weight = association.of(pairs, association.probability, 0.0)
-        return trusted(self._observe(pairs, weight), association.of(pairs, association.squared_distance, 0.0))
+        return trusted(self._observe(pairs, weight, flow), association.of(pairs, association.squared_distance, 0.0))
 
-    def _observe(self, pairs: Pairs, weight: Column) -> Observations:
+    def _observe(self, pairs: Pairs, weight: Column, flow: WaveFlow | None = None) -> Observations:
         after = self.detected[pairs.second]
         memory = self.memory[pairs.first].measured(after.r_px, after.r_std_px)
         before = self.droplets[pairs.first]
-        return observe(
+        seen = observe(
             self.motion,
             before,
             after,
@@ -104,6 +137,7 @@ class ForwardStep:
             log_r_variance=memory.log_r_variance,
             weight=weight,
         )
+        return seen if flow is None else along_ways(seen, flow, self.dt_s / self.motion.pixel_size_um)
 
     def _is_lost(self, association: Association) -> bool:
         """Whether far fewer droplets than usual are where the flow took them."""
@@ -123,8 +157,10 @@ class ForwardStep:
         self.known.forget()
         seen = self._observe(pairs, np.ones(len(pairs)))
         flow = self._fitted(seen)
+        seen = self._observe(pairs, np.ones(len(pairs)), flow)  # along the turns of the flow, now that it is known
+        flow = self._fitted(seen, most_iterations=_ITERATIONS_AGAIN)
         for _ in range(_MOST_ROUNDS):
-            again = self._seen(self._associate(flow, 0.0)[1])
+            again = self._under(flow).seen
             if len(again) <= len(seen):
                 break
             seen, flow = again, self._fitted(again, most_iterations=_ITERATIONS_AGAIN)

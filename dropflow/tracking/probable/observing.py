@@ -8,9 +8,10 @@ from dropflow.droplets import Droplets
 from dropflow.tracking.grid import Column
 from dropflow.tracking.prediction import Motion
 from dropflow.tracking.probable.candidates import TAIL
-from dropflow.tracking.probable.directions import turned
+from dropflow.tracking.probable.directions import turned, unturned
 from dropflow.tracking.probable.least_squares import Observations
 from dropflow.tracking.probable.regression import WaveFlow
+from dropflow.tracking.probable.ways import is_far, ways
 
 
 def observe(
@@ -41,6 +42,37 @@ def observe(
         np.asarray(place + 4 * sedimentation**2 * log_r_variance),
         weight,
     )
+
+
+def along_ways(seen: Observations, flow: WaveFlow, px_per_um_s: float) -> Observations:
+    """The same velocities as those that droplets had half-way through a flow, at the places where they were then.
+
+    `observe` takes the way for straight and the velocity for that in its middle. Of droplets that go far in a step
+    neither is true: what `flow` makes of their way is taken off.
+
+    Parameters
+    ----------
+    seen : Observations
+        As `observe` gives them, shape (n,).
+    flow : WaveFlow
+        The flow of this step or, as it changes little, of the one before.
+    px_per_um_s : float
+        Displacement in the step by a velocity of 1 um/s, px.
+    """
+    up = flow.model.up
+    step_px = unturned(seen.across_um_s, seen.along_um_s + seen.sedimentation_um_s, up) * px_per_um_s
+    far = np.flatnonzero(is_far(flow, step_px))
+    if not len(far):
+        return seen
+    step_px, sedimentation = step_px[:, far], seen.sedimentation_um_s[far]
+    x, y, across, along = (values.copy() for values in (seen.x_px, seen.y_px, seen.across_um_s, seen.along_um_s))
+    own = np.outer(up, sedimentation * (1 + flow.stokes_error[0]))
+    thought = ways(flow, np.stack([x[far], y[far]]) - step_px / 2, own * px_per_um_s, px_per_um_s)
+    x[far], y[far] = thought.middle + (step_px - thought.step) / 2
+    velocity = flow.at(*thought.middle) + own + (step_px - thought.step) / px_per_um_s
+    across[far], total = turned(velocity[0], velocity[1], up)
+    along[far] = total - sedimentation
+    return replace(seen, x_px=x, y_px=y, across_um_s=across, along_um_s=along)
 
 
 def deviations(seen: Observations, flow: WaveFlow) -> tuple[Column, Column]:

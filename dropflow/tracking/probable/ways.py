@@ -1,0 +1,67 @@
+"""The way of a droplet in a step: straight where it is short, along the turns of the flow where it is long."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from dropflow.tracking.grid import Column
+from dropflow.tracking.probable.regression import WaveFlow
+
+_SHORT_LENGTHS = 0.25
+"""Of the correlation length: over a shorter way the flow midway is the mean, to half a hundredth."""
+
+
+@dataclass(frozen=True)
+class Ways:
+    """Each attribute of shape (2, n), px, in image axes."""
+
+    middle: Column
+    """Half of the time after the start."""
+    step: Column
+    """From start to end."""
+
+
+def ways(flow: WaveFlow, start: Column, own_px: Column, px_per_um_s: float) -> Ways:
+    """Where droplets go that the flow carries while they move by `own_px` in it.
+
+    Parameters
+    ----------
+    flow : WaveFlow
+        Constant during the step.
+    start : ndarray, float64, shape (2, n)
+    own_px : ndarray, float64, shape (2, n)
+        Displacement by sedimentation and the like in the whole step, px.
+    px_per_um_s : float
+        Displacement in the step by a velocity of 1 um/s, px; negative back in time.
+    """
+    step = _step(flow, start, own_px, px_per_um_s)
+    middle = start + step / 2
+    far = np.flatnonzero(is_far(flow, step))
+    if len(far):
+        longest_lengths = np.hypot(*step[:, far]).max() / flow.model.spectrum.length_px
+        n_steps = math.ceil(longest_lengths / (2 * _SHORT_LENGTHS))
+        half_way = _path(flow, start[:, far], own_px[:, far] / 2, px_per_um_s / 2, n_steps)
+        end = _path(flow, half_way, own_px[:, far] / 2, px_per_um_s / 2, n_steps)
+        middle[:, far], step[:, far] = half_way, end - start[:, far]
+    return Ways(middle, step)
+
+
+def is_far(flow: WaveFlow, step_px: Column) -> npt.NDArray[np.bool_]:
+    """Whether a displacement, shape (2, n), px, is so long that the way cannot be taken for straight."""
+    return np.asarray(np.hypot(*step_px) > _SHORT_LENGTHS * flow.model.spectrum.length_px)
+
+
+def _path(flow: WaveFlow, start: Column, own_px: Column, px_per_um_s: float, n_steps: int) -> Column:
+    """Where short steps one after another lead."""
+    place = start
+    for _ in range(n_steps):
+        place = place + _step(flow, place, own_px / n_steps, px_per_um_s / n_steps)
+    return place
+
+
+def _step(flow: WaveFlow, start: Column, own_px: Column, px_per_um_s: float) -> Column:
+    """A displacement by the flow in its middle (the midpoint rule)."""
+    middle = start + (own_px + flow.at(*(start + own_px / 2)) * px_per_um_s) / 2
+    return np.asarray(own_px + flow.at(*middle) * px_per_um_s)
