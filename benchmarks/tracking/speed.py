@@ -1,17 +1,18 @@
-"""Seconds of linking with flow beside trackpy's linking alone, on the same droplets in one run."""
+"""Seconds of linking with flow beside trackpy's linking alone, and how right the links are, on the same droplets."""
 
 import tempfile
 import time
 from pathlib import Path
 
 import numpy as np
+import pyarrow.parquet as pq
 import trackpy
 
 from benchmarks.tracking import peers
 from benchmarks.tracking.films import SHAPE, simulated
 from benchmarks.tracking.given import Given, true_droplets
 from benchmarks.tracking.limited import within
-from benchmarks.tracking.scores import DEFAULT, PAPER
+from benchmarks.tracking.scores import DEFAULT, PAPER, Scores, score
 from dropflow.analysis import detect, open_film
 from dropflow.droplets import Droplets
 from dropflow.experiment import Experiment, load_experiment, parse_experiment
@@ -23,6 +24,10 @@ from dropflow.tracking.film import Film
 from dropflow.tracking.track import track_film
 
 _FIRST_FRAMES = _IMAGE_FRAMES = 12
+_PLAIN_RANGE = 0.5
+"""Search range of `trackpy.link`, in spacings; with more it raises SubnetOversize in this film."""
+_PREDICTING_RANGE = 0.75
+"""That with which trackpy's best predictor has the most right links in it."""
 _LIMIT_S = 60
 """After which a peer is not waited for any longer."""
 SIZES = (500, 2000, 8000, 20_000)
@@ -31,20 +36,32 @@ SIZES = (500, 2000, 8000, 20_000)
 
 def seconds(given: Given, parameters: Parameters) -> float:
     """CPU seconds of tracking with flow, without images."""
-    film = Film(given.times_s, lambda frame: given.droplets[frame], None, None)
-    start = time.process_time()
-    with tempfile.TemporaryDirectory() as folder:
-        track_film(film, given.shape, given.experiment, parameters, Path(folder), {}, silent)
-    return time.process_time() - start
+    return _tracked(given, parameters)[0]
 
 
 def seconds_of_trackpy(given: Given) -> float:
     """CPU seconds of `trackpy.link` with a search range of half a spacing."""
+    return _linked(given, peers.trackpy_plain, _PLAIN_RANGE)[0]
+
+
+def _linked(given: Given, link: peers.Linker, range_spacings: float) -> tuple[float, Scores]:
+    """CPU seconds of a peer, and the scores of its links."""
     trackpy.quiet()
     droplets = peers.points(given)
     start = time.process_time()
-    trackpy.link(droplets, 0.5 * given.spacing_px)
-    return time.process_time() - start
+    ids = link(droplets, range_spacings * given.spacing_px)
+    spent = time.process_time() - start
+    return spent, score(given, peers.trajectories(given, ids.to_numpy()))
+
+
+def _tracked(given: Given, parameters: Parameters) -> tuple[float, Scores]:
+    """CPU seconds of Dropflow, and the scores of its links."""
+    film = Film(given.times_s, lambda frame: given.droplets[frame], None, None)
+    with tempfile.TemporaryDirectory() as folder:
+        start = time.process_time()
+        result = track_film(film, given.shape, given.experiment, parameters, Path(folder), {}, silent)
+        spent = time.process_time() - start
+        return spent, score(given, pq.read_table(result.trajectories))
 
 
 def print_images(scratch: Path, n_frames: int) -> None:
@@ -100,12 +117,22 @@ def print_table(scratch: Path, n_frames: int) -> None:
     ):
         warm()
     per_frame = np.mean([len(some) for some in given.droplets])
-    reference = seconds_of_trackpy(given)
-    print(f"{n_frames} frames x {per_frame:.0f} droplets, CPU s")
-    print(f"  trackpy.link                      {reference:8.1f}")
-    for label, parameters in (("dropflow, links and flow", DEFAULT), ("paper's mode, links and flow", PAPER)):
-        spent = seconds(given, parameters)
-        print(f"  {label:<32}  {spent:8.1f}   {spent / reference:.2f} x trackpy", flush=True)
+    print(f"{n_frames} frames x {per_frame:.0f} droplets, links alone (trackpy) or with the flow and its error")
+    print(f"  {'':<44} {'CPU s':>8} {'ms/frame':>8} {'links':>13} {'F1':>6}   x plain, x predicting trackpy")
+    plain = _linked(given, peers.trackpy_plain, _PLAIN_RANGE)
+    predicting = _linked(given, peers.trackpy_velocity, _PREDICTING_RANGE)
+    for label, (spent, scores) in (
+        (f"trackpy.link, {_PLAIN_RANGE} spacings", plain),
+        (f"NearestVelocityPredict, {_PREDICTING_RANGE} spacings", predicting),
+        ("dropflow", _tracked(given, DEFAULT)),
+        ("dropflow, the paper's mode", _tracked(given, PAPER)),
+    ):
+        links = f"{scores.links.precision or 0:6.3f} /{scores.links.recall or 0:5.3f}"
+        print(
+            f"  {label:<44} {spent:8.2f} {1000 * spent / n_frames:8.2f} {links:>13} {scores.f1:6.3f}"
+            f"   {spent / plain[0]:7.2f} {spent / predicting[0]:9.2f}",
+            flush=True,
+        )
     print("\nGrowth with the number of droplets, 4 frames, CPU s")
     for n in SIZES:
         some = many(n, 4)
