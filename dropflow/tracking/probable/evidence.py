@@ -63,9 +63,8 @@ def _of_step(step: Observations, model: Model, log_slopes: Matrix) -> Evidence:
     # Of both matrices the upper triangle is given: what is off the diagonal counts twice.
     covariance = lapack.dpotri(factor, lower=1, overwrite_c=1)[0].T
     diagonal, diagonal_2 = np.diag(covariance), np.diag(matrix_2)
-    residual = (twice * values**2).sum() + amplitudes @ (
-        2 * (matrix_2 @ amplitudes - vector_2) - diagonal_2 * amplitudes
-    )
+    of_flow = 2 * (matrix_2 @ amplitudes - vector_2) - diagonal_2 * amplitudes
+    residual = (twice * values**2).sum() + amplitudes @ of_flow
     spread = 2 * np.vdot(covariance, matrix_2) - diagonal @ diagonal_2
     slope_noise = (residual + spread - weight.sum()) / 2
     slope_prior = log_slopes @ (amplitudes**2 + diagonal - 1) / 2

@@ -1,5 +1,7 @@
 """The flow of a step and its model as flat arrays, bit for bit, and back."""
 
+from functools import lru_cache
+
 import numpy as np
 
 from dropflow.tracking.checkpoint import Arrays
@@ -8,6 +10,9 @@ from dropflow.tracking.probable.least_squares import Model
 from dropflow.tracking.probable.regression import WaveFlow
 from dropflow.tracking.probable.spectrum import Spectrum
 from dropflow.tracking.probable.waves import Waves
+
+_waves = lru_cache(maxsize=8)(Waves)
+"""Flows of many steps have the same waves: what these have reckoned once is kept with them."""
 
 
 def save_model(model: Model) -> Arrays:
@@ -21,7 +26,7 @@ def save_model(model: Model) -> Arrays:
 def load_model(arrays: Arrays, up: Up) -> Model:
     """What `save_model` saved."""
     *spectrum, width_px, height_px, n_x, n_y, with_potential, mean, variance = arrays["model"].tolist()
-    waves = Waves(width_px, height_px, int(n_x), int(n_y))
+    waves = _waves(width_px, height_px, int(n_x), int(n_y))
     return Model(waves, Spectrum(*spectrum), up, bool(with_potential), mean, variance)
 
 

@@ -1,7 +1,7 @@
 """Velocities of droplets, the model of the flow they measure, and the normal equations of both."""
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Self
 
 import numba
@@ -55,15 +55,10 @@ class Model:
     """Of the relative error of Stokes' velocity: -0.3 where droplets sediment 30 % slower than the material says."""
     factor_variance: float
 
-    @cached_property
-    def directions(self) -> list[tuple[Column, Column]]:
-        """Of the velocity of each wave, for each kind of wave."""
-        return self.waves.directions(self.up, with_potential=self.with_potential)
-
-    @cached_property
+    @property
     def directions_of_kinds(self) -> Matrix:
-        """The same as one array, shape (n_kinds, 2, n_waves)."""
-        return np.array(self.directions)
+        """Of the velocity of each wave, for each kind of wave, shape (n_kinds, 2, n_waves)."""
+        return _directions(self.waves, self.up, self.with_potential)
 
     @cached_property
     def prior(self) -> Column:
@@ -77,6 +72,12 @@ class Model:
         n_waves = len(self.waves)
         first = N_COMMON + 2 * kind * n_waves
         return slice(first, first + n_waves), slice(first + n_waves, first + 2 * n_waves)
+
+
+@lru_cache(maxsize=8)
+def _directions(waves: Waves, up: Up, with_potential: bool) -> Matrix:
+    """The same in every step, whereas the model of each differs in what is known of Stokes' factor."""
+    return np.array(waves.directions(up, with_potential=with_potential))
 
 
 def weights(observations: Observations, noise_um_s: float) -> Matrix:

@@ -1,6 +1,7 @@
 """How strong, how long and how compressible the flow's motions are, before any droplet is seen in a step."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -48,9 +49,7 @@ class Spectrum:
 
     def energies(self, waves: Waves) -> Column:
         """Variance of the amplitude of each wave; their sum is twice the variance of a component of the velocity."""
-        log_shape = self.log_shape(waves)
-        shape = np.exp(np.maximum(log_shape - log_shape.max(), _FAINTEST))
-        return np.asarray(2 * self.rms_um_s**2 * shape / shape.sum())
+        return _energies(self, waves)
 
     @property
     def finest_per_px(self) -> float:
@@ -74,3 +73,11 @@ class Spectrum:
         else:
             fall = (2 + 1 / self.broadness) * np.log1p(self.broadness * squared / 2)
         return np.asarray(2 * np.log(waves.modulus_per_px) - fall)
+
+
+@lru_cache(maxsize=8)
+def _energies(spectrum: Spectrum, waves: Waves) -> Column:
+    """Kept, for both stay the same over many steps."""
+    log_shape = spectrum.log_shape(waves)
+    shape = np.exp(np.maximum(log_shape - log_shape.max(), _FAINTEST))
+    return np.asarray(2 * spectrum.rms_um_s**2 * shape / shape.sum())
