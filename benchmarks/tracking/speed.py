@@ -5,6 +5,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+import pyarrow as pa
 import pyarrow.parquet as pq
 import trackpy
 
@@ -12,7 +13,7 @@ from benchmarks.tracking import peers
 from benchmarks.tracking.films import SHAPE, simulated
 from benchmarks.tracking.given import Given, true_droplets
 from benchmarks.tracking.limited import within
-from benchmarks.tracking.scores import DEFAULT, PAPER, Scores, score
+from benchmarks.tracking.scores import DEFAULT, PAPER, score
 from dropflow.analysis import detect, open_film
 from dropflow.droplets import Droplets
 from dropflow.experiment import Experiment, load_experiment, parse_experiment
@@ -36,7 +37,8 @@ SIZES = (500, 2000, 8000, 20_000)
 
 def seconds(given: Given, parameters: Parameters) -> float:
     """CPU seconds of tracking with flow, without images."""
-    return _tracked(given, parameters)[0]
+    with tempfile.TemporaryDirectory() as folder:
+        return _tracked(given, parameters, Path(folder))[0]
 
 
 def seconds_of_trackpy(given: Given) -> float:
@@ -44,24 +46,45 @@ def seconds_of_trackpy(given: Given) -> float:
     return _linked(given, peers.trackpy_plain, _PLAIN_RANGE)[0]
 
 
-def _linked(given: Given, link: peers.Linker, range_spacings: float) -> tuple[float, Scores]:
-    """CPU seconds of a peer, and the scores of its links."""
+def _tracked(given: Given, parameters: Parameters, folder: Path) -> tuple[float, pa.Table]:
+    """CPU seconds of Dropflow, and its trajectories."""
+    film = Film(given.times_s, lambda frame: given.droplets[frame], None, None)
+    start = time.process_time()
+    result = track_film(film, given.shape, given.experiment, parameters, folder, {}, silent)
+    return time.process_time() - start, pq.read_table(result.trajectories)
+
+
+def _linked(given: Given, link: peers.Linker, range_spacings: float) -> tuple[float, pa.Table]:
+    """CPU seconds of a peer, and its trajectories."""
     trackpy.quiet()
     droplets = peers.points(given)
     start = time.process_time()
     ids = link(droplets, range_spacings * given.spacing_px)
-    spent = time.process_time() - start
-    return spent, score(given, peers.trajectories(given, ids.to_numpy()))
+    return time.process_time() - start, peers.trajectories(given, ids.to_numpy())
 
 
-def _tracked(given: Given, parameters: Parameters) -> tuple[float, Scores]:
-    """CPU seconds of Dropflow, and the scores of its links."""
-    film = Film(given.times_s, lambda frame: given.droplets[frame], None, None)
+def print_beside_trackpy(scratch: Path, n_frames: int) -> None:
+    """Each linker's time on one film and how right its links are, beside trackpy's time."""
+    given = true_droplets(simulated(scratch, "fast", 5, n_frames, with_images=False), SHAPE)
+    seconds(first(given, _FIRST_FRAMES), DEFAULT)
+    seconds_of_trackpy(first(given, _FIRST_FRAMES))
+    per_frame = np.mean([len(some) for some in given.droplets])
+    print(f"{n_frames} frames x {per_frame:.0f} droplets: links alone (trackpy), or with the flow and its error")
+    print(f"  {'':<38} {'CPU s':>7} {'ms/frame':>8} {'links':>13} {'F1':>5}  x plain, x predicting trackpy")
     with tempfile.TemporaryDirectory() as folder:
-        start = time.process_time()
-        result = track_film(film, given.shape, given.experiment, parameters, Path(folder), {}, silent)
-        spent = time.process_time() - start
-        return spent, score(given, pq.read_table(result.trajectories))
+        plain = _linked(given, peers.trackpy_plain, _PLAIN_RANGE)
+        predicting = _linked(given, peers.trackpy_velocity, _PREDICTING_RANGE)
+        for label, (spent, found) in (
+            (f"trackpy.link, {_PLAIN_RANGE} spacings", plain),
+            (f"  NearestVelocityPredict, {_PREDICTING_RANGE} spacings", predicting),
+            ("dropflow", _tracked(given, DEFAULT, Path(folder) / "default")),
+            ("  the paper's mode", _tracked(given, PAPER, Path(folder) / "paper")),
+        ):
+            scores = score(given, found)
+            links = f"{scores.links.precision or 0:.3f} / {scores.links.recall or 0:.3f}"
+            ratios = f"{spent / plain[0]:7.2f} {spent / predicting[0]:8.2f}"
+            rate = f"{spent:7.2f} {1000 * spent / n_frames:8.2f}"
+            print(f"  {label:<38} {rate} {links:>13} {scores.f1:5.3f}  {ratios}", flush=True)
 
 
 def print_images(scratch: Path, n_frames: int) -> None:
@@ -110,29 +133,7 @@ def _still_water() -> Experiment:
 
 def print_table(scratch: Path, n_frames: int) -> None:
     """Linking beside trackpy, growth with the number of droplets, and the stage with its images."""
-    given = true_droplets(simulated(scratch, "fast", 5, n_frames, with_images=False), SHAPE)
-    for warm in (
-        lambda: seconds(first(given, _FIRST_FRAMES), DEFAULT),
-        lambda: seconds_of_trackpy(first(given, _FIRST_FRAMES)),
-    ):
-        warm()
-    per_frame = np.mean([len(some) for some in given.droplets])
-    print(f"{n_frames} frames x {per_frame:.0f} droplets, links alone (trackpy) or with the flow and its error")
-    print(f"  {'':<44} {'CPU s':>8} {'ms/frame':>8} {'links':>13} {'F1':>6}   x plain, x predicting trackpy")
-    plain = _linked(given, peers.trackpy_plain, _PLAIN_RANGE)
-    predicting = _linked(given, peers.trackpy_velocity, _PREDICTING_RANGE)
-    for label, (spent, scores) in (
-        (f"trackpy.link, {_PLAIN_RANGE} spacings", plain),
-        (f"NearestVelocityPredict, {_PREDICTING_RANGE} spacings", predicting),
-        ("dropflow", _tracked(given, DEFAULT)),
-        ("dropflow, the paper's mode", _tracked(given, PAPER)),
-    ):
-        links = f"{scores.links.precision or 0:6.3f} /{scores.links.recall or 0:5.3f}"
-        print(
-            f"  {label:<44} {spent:8.2f} {1000 * spent / n_frames:8.2f} {links:>13} {scores.f1:6.3f}"
-            f"   {spent / plain[0]:7.2f} {spent / predicting[0]:9.2f}",
-            flush=True,
-        )
+    print_beside_trackpy(scratch, n_frames)
     print("\nGrowth with the number of droplets, 4 frames, CPU s")
     for n in SIZES:
         some = many(n, 4)
