@@ -1,5 +1,6 @@
 """Seconds of linking with flow beside trackpy's linking alone, and how right the links are, on the same droplets."""
 
+import shutil
 import tempfile
 import time
 from pathlib import Path
@@ -96,6 +97,7 @@ def print_images(scratch: Path, n_frames: int) -> None:
         opened = open_film(film / "frames", experiment, parameters, beside=film)
         table = film / "droplets.parquet"
         detect(opened, table, n_processes=1)
+        shutil.rmtree(film / "results", ignore_errors=True)  # of another time, which would not be done again
         with open_frames(opened.source, Choice.of(experiment)) as frames:
             cpu, wall = time.process_time(), time.perf_counter()
             track_images(

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import chain
 
 import numpy as np
 import numpy.typing as npt
@@ -14,6 +15,7 @@ from dropflow.tracking.identification import Indices
 N_AVERAGED = 3
 """Frames over which a radius is averaged at the end or the beginning of a trajectory."""
 _FAR_PX = 1e6
+"""Between frames, where places in several are searched at once."""
 _RADIUS_MODEL_STD = 0.02
 """Relative standard deviation of a radius that no averaging removes."""
 
@@ -108,4 +110,4 @@ def near_pairs(tree: cKDTree, places: Column, reach_px: float | Column) -> tuple
     """Indices of places, shape (n, 3), and of the points of a tree that lie within reach of them."""
     near = tree.query_ball_point(places, reach_px)
     which = np.repeat(np.arange(len(places)), [len(some) for some in near])
-    return which, np.concatenate([np.asarray(some, np.int64) for some in [[], *near]])
+    return which, np.fromiter(chain.from_iterable(near), np.int64, len(which))

@@ -3,11 +3,16 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
 from dropflow.droplets import Droplets
-from dropflow.tracking.events import EVENTS
+from dropflow.physics.material import resolve
+from dropflow.tracking.events import EVENTS, Surroundings, events_of_steps
+from dropflow.tracking.grid import Grid
+from dropflow.tracking.prediction import Motion
+from dropflow.tracking.sightings import Sightings
 from tests.dropflow.tracking.generated import Film, droplets_at, experiment, film, vortices
 from tests.dropflow.tracking.tracked import tracked
 
@@ -123,3 +128,26 @@ def test_each_beginning_and_each_end_inside_the_film_is_one_event(tmp_path: Path
 def test_a_single_frame_has_no_events(tmp_path: Path) -> None:
     given = film(flow=vortices(8, 300), n_frames=1)
     assert pq.read_table(tracked(replace(given), tmp_path).events).num_rows == 0
+
+
+def test_steps_together_have_the_events_of_each_alone() -> None:
+    """Droplets of one frame have nothing to do with those of others, be they in the same place."""
+    rng, n_frames, n_trajectories = np.random.default_rng(4), 8, 200
+    first = rng.integers(0, n_frames, n_trajectories)
+    n_rows = np.minimum(rng.integers(1, n_frames, n_trajectories), n_frames - first)
+    ids = np.repeat(np.arange(n_trajectories), n_rows)
+    frame = np.concatenate([np.arange(start, start + n) for start, n in zip(first, n_rows, strict=True)])
+    places = rng.uniform(0, 300, (n_trajectories, 2))[ids] + rng.normal(0, 1, (len(ids), 2))
+    r_px, r_std_px = rng.uniform(5, 15, len(ids)), np.full(len(ids), 0.5)
+    seen = Sightings(ids, frame, *places.T, r_px, r_std_px, *rng.normal(0, 2, (3, len(ids))))
+    about, flow_um_s, shifts_px = experiment(), rng.normal(0, 3, (n_frames - 1, 2, 8, 10)), np.zeros((n_frames - 1, 2))
+    shifts_px[3] = 5.0, -2.0
+    around = Surroundings(Grid(*SHAPE, 8, 10), Motion.of(about, resolve(about)))
+
+    def events_of(steps: range) -> pa.Table:
+        flows = flow_um_s[steps.start : steps.stop]
+        return events_of_steps(seen, steps, np.arange(float(n_frames)), flows, shifts_px, around)
+
+    together = events_of(range(n_frames - 1))
+    assert set(together["kind"].to_pylist()) == {"birth", "coalescence", "exit", "shift"}
+    assert together.equals(pa.concat_tables([events_of(range(step, step + 1)) for step in range(n_frames - 1)]))
