@@ -24,9 +24,19 @@ import numpy as np
 import pyarrow.parquet as pq
 
 from benchmarks.tracking import coalescence, speed
-from benchmarks.tracking.films import SHAPE, convection, simulated, spacing_over_displacement, unknown_share
+from benchmarks.tracking.films import SHAPE, convection, simulated, spacing_over_displacement
 from benchmarks.tracking.given import Given, detected_droplets, true_droplets
-from benchmarks.tracking.scores import DEFAULT, HEAD, dropflow_scores, error_at_droplets, print_all, print_peers, score
+from benchmarks.tracking.limits import unknown_share, unshared_share
+from benchmarks.tracking.scores import (
+    DEFAULT,
+    HEAD,
+    dropflow_scores,
+    error_at_droplets,
+    error_of_velocities,
+    print_all,
+    print_peers,
+    score,
+)
 from dropflow.analysis import detect, open_film
 from dropflow.experiment import FixedMaterial, load_experiment
 from dropflow.frames import Choice, open_frames
@@ -110,7 +120,10 @@ def print_convection(scratch: Path, _seed: int, _n_frames: int, _names: list[str
         return
     given = true_droplets(convection(scratch, RBC, with_images=False), SHAPE)
     print_all(given, "convection, truth", scratch / "c")
-    print(f"Flow at the droplets, error over rms: {error_at_droplets(given, scratch / 'c' / 'default'):.3f}")
+    results = scratch / "c" / "default"
+    print(f"Fluid velocity that each droplet shows, error over rms: {error_of_velocities(given, results):.3f}")
+    print(f"Flow field at the droplets, error over rms: {error_at_droplets(given, results):.3f}")
+    print(f"The true velocity of one droplet from those of all others, error over rms: {unshared_share(given):.3f}")
     print(f"The simulated flow between its tracers is known to {unknown_share(RBC):.2f} of its rms.", flush=True)
     film = convection(scratch, RBC, with_images=True)
     from_images(film, "convection, images", scratch, 30)

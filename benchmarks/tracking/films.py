@@ -7,7 +7,6 @@ import numpy as np
 import numpy.typing as npt
 import pyarrow.parquet as pq
 from scipy.interpolate import RBFInterpolator
-from scipy.spatial import cKDTree
 
 from dropflow.physics.stokes import sedimentation_um_s
 from dropflow.scoring.links import links_of
@@ -21,7 +20,7 @@ Floats = npt.NDArray[np.float64]
 SHAPE = (FULL_HEIGHT_PX, FULL_WIDTH_PX)
 _UNIT_UM = FULL_WIDTH_PX * 0.625
 """Edge of the cube of the direct numerical simulation: it fills the width of the frame."""
-_N_NEAREST = 60
+N_NEAREST = 60
 """Tracers from which the true flow between them is interpolated."""
 
 
@@ -86,28 +85,9 @@ class _PlaneFlow:
         frame = int(time_s / interval_s)
         here, there = (np.column_stack(_in_frame(self._particles[k])) for k in (frame, frame + 1))
         values = ((there - here) / interval_s)[:, :2]
-        flow = RBFInterpolator((here + there) / 2, values, neighbors=_N_NEAREST)(self._at)
+        flow = RBFInterpolator((here + there) / 2, values, neighbors=N_NEAREST)(self._at)
         grid = self._scenario.grid
         return np.asarray(flow.T.reshape(2, grid.n_rows, grid.n_columns))
-
-
-def unknown_share(tracers: Path, *, n: int = 200) -> float:
-    """What the tracers do not tell of the flow between them: error of the velocity of one from all others, over rms.
-
-    No field can be compared with the flow of the simulation more closely than this.
-    """
-    particles = np.load(tracers)["particles"].astype(np.float64)
-    step = len(particles) // 2
-    middle = (particles[step] + particles[step + 1])[:, :3] / 2
-    velocity = (particles[step + 1] - particles[step])[:, [0, 2]]
-    inside = np.flatnonzero((np.abs(middle - 0.5) < (0.42, 0.1, 0.5)).all(axis=1))
-    chosen = np.random.default_rng(0).choice(inside, n, replace=False)
-    _, near = cKDTree(middle).query(middle[chosen], _N_NEAREST + 1)
-    errors = [
-        RBFInterpolator(middle[others[1:]], velocity[others[1:]])(middle[[one]])[0] - velocity[one]
-        for one, others in zip(chosen, near, strict=True)
-    ]
-    return float(np.sqrt(np.mean(np.square(errors)) / np.mean(velocity[inside] ** 2)))
 
 
 def spacing_over_displacement(film: Path) -> float:

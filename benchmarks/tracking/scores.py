@@ -111,6 +111,18 @@ def error_at_droplets(given: Given, results: Path) -> float:
     return float(np.sqrt(np.square(found - true).mean() / np.square(true).mean()))
 
 
+def error_of_velocities(given: Given, results: Path) -> float:
+    """Error over rms of the fluid's velocity that each droplet itself shows: its own, less its sedimentation."""
+    found = pq.read_table(results / "trajectories.parquet")
+    matching = given.matched(found)
+    is_matched = (matching.truth_row >= 0) & np.isfinite(found["u_um_s"].to_numpy())
+    truth = matching.truth.take(pa.array(matching.truth_row[is_matched]))
+    own = np.stack([found[name].to_numpy()[is_matched] for name in ("u_um_s", "v_um_s")])
+    sunk = np.outer(given.experiment.up, found["sedimentation_um_s"].to_numpy()[is_matched])
+    true = np.stack([truth[name].to_numpy() for name in ("flow_u_um_s", "flow_v_um_s")])
+    return float(np.sqrt(np.square(own - sunk - true).mean() / np.square(true).mean()))
+
+
 def peer_scores(given: Given, link: peers.Linker) -> tuple[str, Scores] | None:
     """With the search range that is best by the truth, and that range; None if it can do none."""
     best: tuple[str, Scores] | None = None
