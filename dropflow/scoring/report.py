@@ -1,6 +1,7 @@
 """All scores of a folder of results."""
 
 import csv
+import json
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -86,11 +87,15 @@ def score_results(results: Path, truth: Path) -> Report:
 
 
 def counted_of(results: Path, true: pa.Table) -> pa.Table:
-    """The droplets that the size distribution after tracking counts."""
+    """The droplets that the size distribution after tracking counts, as the parameters of the results say."""
     pixel_size_um = float(true["r_um"][0].as_py() / true["r_px"][0].as_py()) if len(true) else 1.0
     try:
-        return pa.concat_tables([COUNTED.empty_table(), *counted_droplets(results, pixel_size_um=pixel_size_um)])
-    except (pa.ArrowException, OSError, KeyError) as problem:
+        about = (pq.read_schema(results / "trajectories.parquet").metadata or {}).get(b"dropflow", b"{}")
+        tracking = json.loads(about).get("parameters", {}).get("tracking", {})
+        out_of_focus = bool(tracking.get("count_out_of_focus"))
+        rows = counted_droplets(results, pixel_size_um=pixel_size_um, out_of_focus=out_of_focus)
+        return pa.concat_tables([COUNTED.empty_table(), *rows])
+    except (pa.ArrowException, OSError, KeyError, ValueError) as problem:
         raise ResultsError(
             f"This is no Parquet table ({problem}).", code="results.unreadable", file=str(results)
         ) from None

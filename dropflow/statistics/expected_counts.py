@@ -8,8 +8,9 @@ from scipy.special import ndtr
 
 Floats = npt.NDArray[np.float64]
 
-_REACH = 4.0
-"""Standard deviations beyond which there is nothing of a droplet."""
+_REACH = 2.0
+"""Standard deviations; what is further out counts in the last bin that is reached. So each bin that has something of a
+droplet has a fiftieth of it at least, for logarithmic scales."""
 
 
 def shares_of_bins(

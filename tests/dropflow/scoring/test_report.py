@@ -2,6 +2,8 @@ import json
 from pathlib import Path
 
 import polars as pl
+import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
 from typer.testing import CliRunner
 
@@ -54,6 +56,15 @@ def test_going_on_as_the_product_of_a_coalescence_is_no_wrong_link(film: Path, r
     links = score_results(results, film / "truth.parquet").links
     assert (links.precision, links.recall) == (1, 1)
     assert links.n_neutral > 0
+
+
+@pytest.mark.parametrize(("about", "l1"), [("{}", 1.0), ('{"tracking": {"count_out_of_focus": true}}', 0.0)])
+def test_droplets_out_of_focus_count_as_the_parameters_say(film: Path, results: Path, about: str, l1: float) -> None:
+    path = results / "trajectories.parquet"
+    rows = pq.read_table(path)
+    rows = rows.append_column("is_in_focus", pa.array([False] * len(rows)))
+    pq.write_table(rows.replace_schema_metadata({"dropflow": f'{{"parameters": {about}}}'}), path)
+    assert score_results(results, film / "truth.parquet").sizes_after.l1 == l1
 
 
 def test_what_is_there_is_scored_and_what_is_not_is_said(film: Path, results: Path) -> None:
