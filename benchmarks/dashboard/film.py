@@ -1,12 +1,9 @@
 """A completed run of a long film, as workers leave it, from tables that are made up: one image for all frames."""
 
 from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 from uuid import UUID
-
-import pyarrow.parquet as pq
 
 from backend.models import FrameSummary
 from backend.platform.packing import pack
@@ -17,7 +14,8 @@ from dropflow.results import Results, open_results
 from dropflow.statistics.condense import condense
 from dropflow.statistics.condensed_files import FILES, write_condensed
 from dropflow.statistics.flow_moments import flow_moments
-from dropflow.statistics.histograms import FrameHistograms, frame_histograms, radius_edges_um
+from dropflow.statistics.histograms import FrameHistograms, radius_edges_um
+from dropflow.statistics.table_histograms import histograms_after_tracking, histograms_of_table
 from worker.context import Context, make_context
 
 _SETTINGS = ("database_url", "redis_url", "object_store_url", "work_dir")
@@ -55,18 +53,14 @@ def _keep(context: Context, results: Results) -> UUID:
             for name, content in contents.items():
                 context.store.put(product.prefix + name, content)
             if task != "analyse":
-                table = results.droplets if task == "detect" else results.trajectories
-                sizes = pack(_counted(table, results, times_s))
+                sizes = pack(_counted(task, results, times_s))
                 session.add(FrameSummary(product_id=product.id, sizes=sizes, flow=moments if task == "track" else None))
         return run.id
 
 
-def _counted(table: Path, results: Results, times_s: Any) -> FrameHistograms:
+def _counted(task: str, results: Results, times_s: Any) -> FrameHistograms:
     detection = results.parameters.detection
     edges_um = radius_edges_um(detection.radius_min_um, detection.radius_max_um)
-    frames, file = range(len(times_s)), pq.ParquetFile(table)
-    total = frame_histograms(file.schema_arrow.empty_table(), edges_um, frames, times_s)
-    for group in range(file.num_row_groups):
-        part = frame_histograms(file.read_row_group(group, columns=["frame", "r_um"]), edges_um, frames, times_s)
-        total = replace(total, counts=total.counts + part.counts, moments=total.moments + part.moments)
-    return total
+    if task == "detect":
+        return histograms_of_table(results.droplets, edges_um, times_s)
+    return histograms_after_tracking(results.folder, edges_um, times_s, pixel_size_um=results.experiment.pixel_size_um)
