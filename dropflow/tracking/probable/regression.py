@@ -17,7 +17,7 @@ from dropflow.tracking.grid import Column
 from dropflow.tracking.probable.directions import unturned
 from dropflow.tracking.probable.least_squares import Model, Observations, Sums, normal_equations, weights
 from dropflow.tracking.probable.spectrum import N_COMMON
-from dropflow.tracking.probable.waves import Complex, Indices, Matrix, WavesAt, fold
+from dropflow.tracking.probable.waves import Complex, Indices, Matrix, fold
 
 _MOST_SINCE = 3
 """Flows that share an error are at most so many steps apart."""
@@ -49,14 +49,15 @@ class WaveFlow:
 
     @cached_property
     def _folded_velocity(self) -> Matrix:
-        """Of the waves of the velocity across `up` and along it."""
+        """Of the waves of the velocity along x and y."""
         amplitudes = np.zeros((2, len(self.model.waves)), np.complex128)
         for kind, directions in enumerate(self.model.directions_of_kinds):
             cosines, sines = self.model.waves_of(kind)
             amplitudes += directions * (self.amplitudes[cosines] - 1j * self.amplitudes[sines])
         series = self.model.waves.series_of(amplitudes, 1)
         series[:, self.model.waves.n_x, 0] += self.amplitudes[:2]
-        return fold(series)
+        across, along = np.split(fold(series), 2)
+        return np.concatenate(unturned(across, along, self.model.up))
 
     @cached_property
     def _folded_variance(self) -> Matrix:
@@ -64,30 +65,18 @@ class WaveFlow:
 
     def at(self, x_px: Column, y_px: Column) -> Column:
         """Velocity along x and y at points, shape (2, n), um/s."""
-        return self._velocity(self.model.waves.at(x_px, y_px, 1))
+        return self.model.waves.at(x_px, y_px, 1).evaluate(self._folded_velocity, 1)
 
     def variance_at(self, x_px: Column, y_px: Column) -> Column:
         """Variance of the error across `up` and along it at points, shape (2, n), (um/s)^2."""
-        return self._variance(self.model.waves.at(x_px, y_px, 2))
-
-    def with_variance(self, x_px: Column, y_px: Column) -> tuple[Column, Column]:
-        """Both at the same points."""
         points = self.model.waves.at(x_px, y_px, 2)
-        return self._velocity(points), self._variance(points)
+        return np.asarray(np.maximum(points.evaluate(self._folded_variance, 2), 0.0))
 
     def on_grid(self, x_px: Column, y_px: Column) -> tuple[Matrix, Matrix]:
         """Both where columns at `x_px` cross rows at `y_px`, shape (2, n_rows, n_columns)."""
         points = self.model.waves.at(x_px, y_px, 2)
-        across, along = points.evaluate_on_grid(self._folded_velocity, 1)
         variance = points.evaluate_on_grid(self._folded_variance, 2)
-        return unturned(across, along, self.model.up), np.asarray(np.maximum(variance, 0.0))
-
-    def _velocity(self, points: WavesAt) -> Column:
-        across, along = points.evaluate(self._folded_velocity, 1)
-        return unturned(across, along, self.model.up)
-
-    def _variance(self, points: WavesAt) -> Column:
-        return np.asarray(np.maximum(points.evaluate(self._folded_variance, 2), 0.0))
+        return points.evaluate_on_grid(self._folded_velocity, 1), np.asarray(np.maximum(variance, 0.0))
 
 
 def regress(observations: Observations, model: Model, *, like: WaveFlow | None = None) -> WaveFlow:
