@@ -65,7 +65,7 @@ class WaveFlow:
 
     def at(self, x_px: Column, y_px: Column) -> Column:
         """Velocity along x and y at points, shape (2, n), um/s."""
-        return self.model.waves.at(x_px, y_px, 1).evaluate(self._folded_velocity, 1)
+        return self.model.waves.evaluate_at(self._folded_velocity, x_px, y_px)
 
     def variance_at(self, x_px: Column, y_px: Column) -> Column:
         """Variance of the error across `up` and along it at points, shape (2, n), (um/s)^2."""
