@@ -10,7 +10,7 @@ from dropflow.tracking.prediction import Motion
 from dropflow.tracking.probable.directions import Up, unturned
 from dropflow.tracking.probable.memory import Memory
 from dropflow.tracking.probable.regression import WaveFlow
-from dropflow.tracking.probable.ways import ways
+from dropflow.tracking.probable.ways import Ways, ways
 
 _UNKNOWN_FLOW_SPACINGS = 0.25
 """Where nothing is known of the flow, droplets are thought to move about this part of their spacing in a step."""
@@ -28,6 +28,8 @@ class Predicted:
     along_variance: Column
     log_r_std: Column
     up: Up
+    ways: Ways | None = None
+    """That lead there; None where nothing is known of the flow."""
 
 
 @dataclass(frozen=True)
@@ -54,8 +56,10 @@ class Expectation:
         error, error_variance = self.stokes_error
         own = unturned(memory.own_across_um_s, memory.own_along_um_s, self.motion.up)
         own = own + np.outer(self.motion.up, sedimentation * (1 + error))
-        step_px, across, along = self._with_flow(droplets, own, px)
-        ways = memory.own_variance + _UNSTEADY_SHARE * self.noise_um_s**2
+        way = None if self.flow is None else ways(self.flow, np.stack([droplets.x_px, droplets.y_px]), own, px)
+        step_px = own * px if way is None else way.step_px
+        across, along = self._variance_of_flow(way, len(droplets), px)
+        noise = memory.own_variance + _UNSTEADY_SHARE * self.noise_um_s**2
         sinking = sedimentation**2 * (4 * (1 + error) ** 2 * memory.log_r_variance + error_variance)
         seen = droplets.x_std_px**2
         return Predicted(
@@ -65,18 +69,15 @@ class Expectation:
                 y_px=droplets.y_px + step_px[1],
                 r_px=np.exp(memory.log_r),
             ),
-            np.asarray(self.widening * (across + ways * px**2 + seen)),
-            np.asarray(self.widening * (along + (ways + sinking) * px**2 + seen)),
+            np.asarray(self.widening * (across + noise * px**2 + seen)),
+            np.asarray(self.widening * (along + (noise + sinking) * px**2 + seen)),
             np.sqrt(memory.log_r_variance),
             self.motion.up,
+            way,
         )
 
-    def _with_flow(self, droplets: Droplets, own_um_s: Column, px: float) -> tuple[Column, Column, Column]:
-        """Displacement, and its variance by the flow's error across and along `up`; the flow is that of midway."""
-        step_px = own_um_s * px
-        if self.flow is None:
-            unknown = np.full(len(droplets), (_UNKNOWN_FLOW_SPACINGS * self.spacing_px) ** 2)
-            return step_px, unknown, unknown
-        way = ways(self.flow, np.stack([droplets.x_px, droplets.y_px]), step_px, px)
-        variance = (self.flow.variance_at(*way.middle) + self.change_um_s**2) * px**2
-        return way.step, variance[0], variance[1]
+    def _variance_of_flow(self, way: Ways | None, n: int, px: float) -> Column:
+        """Of the displacement by it, across and along `up`, shape (2, n), px^2."""
+        if self.flow is None or way is None:
+            return np.full((2, n), (_UNKNOWN_FLOW_SPACINGS * self.spacing_px) ** 2)
+        return np.asarray((self.flow.variance_at(*way.middle_px) + self.change_um_s**2) * px**2)

@@ -15,7 +15,7 @@ from dropflow.tracking.prediction import Motion
 from dropflow.tracking.probable.flow_memory import FlowMemory
 from dropflow.tracking.probable.flow_record import load_flow, save_flow
 from dropflow.tracking.probable.least_squares import Model, Observations, Sums
-from dropflow.tracking.probable.observing import along_ways, observe
+from dropflow.tracking.probable.observing import along_flow, observe
 from dropflow.tracking.probable.regression import WaveFlow, regress_sums, sums_of
 from dropflow.tracking.saving import load_columns, prefixed, save_columns, without_prefix
 
@@ -46,11 +46,11 @@ class _Step:
             self._sums = sums_of(self.seen, model)
         return self._sums
 
-    def along_ways(self, flow: WaveFlow | None) -> "_Step":
+    def along_flow(self, flow: WaveFlow | None) -> "_Step":
         """With velocities along the ways in a flow; as it is where none is known."""
         if flow is None:
             return self
-        return _Step(along_ways(self.seen, flow, self.px_per_um_s), self.px_per_um_s)
+        return _Step(along_flow(self.seen, flow, self.px_per_um_s), self.px_per_um_s)
 
 
 class ProbableFlows:
@@ -79,7 +79,7 @@ class ProbableFlows:
             log_r_variance=after.log_r_std**2,
             weight=weight,
         )
-        self._window.append(_Step(seen, dt_s / motion.pixel_size_um).along_ways(self._last))
+        self._window.append(_Step(seen, dt_s / motion.pixel_size_um).along_flow(self._last))
         self._n_after += 1
         return [self._next()] if self._n_after > _LAG else []
 
@@ -90,7 +90,7 @@ class ProbableFlows:
     def _next(self) -> FlowField:
         flow = self._regressed()
         if flow is not None and self._last is None:  # found as if all ways were straight
-            self._window = [step.along_ways(flow) for step in self._window]
+            self._window = [step.along_flow(flow) for step in self._window]
             flow = self._regressed()
         centre = len(self._window) - self._n_after
         field = unknown_flow(self._grid) if flow is None else on_grid(flow, self._window[centre].seen, self._grid)

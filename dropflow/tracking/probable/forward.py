@@ -18,8 +18,7 @@ from dropflow.tracking.probable.flow_memory import FlowMemory
 from dropflow.tracking.probable.flow_record import save_flow
 from dropflow.tracking.probable.forward_step import ForwardStep, Outcome
 from dropflow.tracking.probable.memory import Memory
-from dropflow.tracking.probable.observing import along_ways, deviations, observe
-from dropflow.tracking.probable.regression import WaveFlow
+from dropflow.tracking.probable.observing import along, deviations, observe
 from dropflow.tracking.probable.scales import Scales
 from dropflow.tracking.probable.search import SIMILAR_RATIO, sure_look
 from dropflow.tracking.saving import load_columns, load_front, prefixed, save_columns, save_front, without_prefix
@@ -87,8 +86,7 @@ class ProbableForward:
         again = np.concatenate([paired.first, searched])
         there = Droplets.concatenate([detected[paired.second], followed.sighted])
         seen = memory[again].measured(there.r_px, there.r_std_px)
-        if outcome.flow is not None:
-            seen = self._with_own_ways(seen, self._front.droplets[again], there, outcome.flow, dt_s)
+        seen = self._with_own_ways(seen, again, there, outcome, dt_s)
         probability = outcome.association.of(paired, outcome.association.probability, 0.5)
         evidence = np.append(log_odds(probability), np.full(len(searched), SIGHTING_EVIDENCE))
         n_undetected = np.append(np.zeros(len(paired), np.int64), memory.n_undetected[searched] + 1)
@@ -126,21 +124,23 @@ class ProbableForward:
         is_taken = np.isin(np.arange(len(lost)), same_droplets(predicted.droplets[lost], there, SIMILAR_RATIO).first)
         return lost[~is_taken]
 
-    def _with_own_ways(self, memory: Memory, before: Droplets, after: Droplets, flow: WaveFlow, dt_s: float) -> Memory:
-        """Learn what each droplet does beyond flow and Stokes."""
+    def _with_own_ways(self, memory: Memory, again: Indices, after: Droplets, outcome: Outcome, dt_s: float) -> Memory:
+        """Learn what each droplet that was seen `again` does beyond flow and Stokes."""
+        thought, flow = outcome.predicted.ways, outcome.flow
+        if thought is None or flow is None:
+            return memory
         seen = observe(
             self._motion,
-            before,
+            self._front.droplets[again],
             after,
             dt_s,
             log_r=memory.log_r,
             log_r_variance=memory.log_r_variance,
-            weight=np.ones(len(before)),
+            weight=np.ones(len(again)),
         )
-        seen = along_ways(seen, flow, dt_s / self._motion.pixel_size_um)
-        across, along = deviations(seen, flow)
+        seen = along(seen, thought[again], self._motion.up, dt_s / self._motion.pixel_size_um)
         variance = (seen.across_variance + seen.along_variance) / 2 + self._flow.noise_um_s**2 / 3
-        return memory.moved(across, along, variance)
+        return memory.moved(*deviations(seen, flow), variance)
 
     def state(self) -> Arrays:
         """Everything, as arrays."""

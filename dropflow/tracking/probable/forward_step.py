@@ -15,9 +15,10 @@ from dropflow.tracking.probable.flow_memory import FlowMemory
 from dropflow.tracking.probable.least_squares import Observations
 from dropflow.tracking.probable.lost_places import LostPlaces, lost_places
 from dropflow.tracking.probable.memory import Memory
-from dropflow.tracking.probable.observing import along_ways, deviations, observe, trusted
+from dropflow.tracking.probable.observing import along, deviations, observe, trusted
 from dropflow.tracking.probable.regression import WaveFlow, regress
 from dropflow.tracking.probable.scales import Scales
+from dropflow.tracking.probable.ways import Ways
 
 _MOST_ROUNDS = 6
 """Of pairs and flow in turn, when nothing was known."""
@@ -71,7 +72,7 @@ class ForwardStep:
     def _under(self, flow: WaveFlow | None, change_um_s: float = 0.0) -> Outcome:
         """What is seen under a flow."""
         predicted, association = self._associate(flow, change_um_s)
-        return Outcome(predicted, association, self._seen(association, flow), flow)
+        return Outcome(predicted, association, self._seen(predicted, association), flow)
 
     def _recovered(self, found: Outcome) -> Outcome:
         """Where droplets are missing all around, the flow was wrong: it is found again from those around the place."""
@@ -118,13 +119,15 @@ class ForwardStep:
         chances = Chances(self.scales.detected, surprises / (self.grid.height_px * self.grid.width_px))
         return predicted, associate(predicted, self.detected, chances)
 
-    def _seen(self, association: Association, flow: WaveFlow | None) -> Observations:
+    def _seen(self, predicted: Predicted, association: Association) -> Observations:
         """What probable pairs say of the flow."""
         pairs = association.pairs()
         weight = association.of(pairs, association.probability, 0.0)
-        return trusted(self._observe(pairs, weight, flow), association.of(pairs, association.squared_distance, 0.0))
+        return trusted(
+            self._observe(pairs, weight, predicted.ways), association.of(pairs, association.squared_distance, 0.0)
+        )
 
-    def _observe(self, pairs: Pairs, weight: Column, flow: WaveFlow | None = None) -> Observations:
+    def _observe(self, pairs: Pairs, weight: Column, thought: Ways | None = None) -> Observations:
         after = self.detected[pairs.second]
         memory = self.memory[pairs.first].measured(after.r_px, after.r_std_px)
         before = self.droplets[pairs.first]
@@ -137,7 +140,9 @@ class ForwardStep:
             log_r_variance=memory.log_r_variance,
             weight=weight,
         )
-        return seen if flow is None else along_ways(seen, flow, self.dt_s / self.motion.pixel_size_um)
+        if thought is None:
+            return seen
+        return along(seen, thought[pairs.first], self.motion.up, self.dt_s / self.motion.pixel_size_um)
 
     def _is_lost(self, association: Association) -> bool:
         """Whether far fewer droplets than usual are where the flow took them."""
@@ -157,7 +162,9 @@ class ForwardStep:
         self.known.forget()
         seen = self._observe(pairs, np.ones(len(pairs)))
         flow = self._fitted(seen)
-        seen = self._observe(pairs, np.ones(len(pairs)), flow)  # along the turns of the flow, now that it is known
+        seen = self._observe(
+            pairs, np.ones(len(pairs)), self._under(flow).predicted.ways
+        )  # along the turns of the flow, now that it is known
         flow = self._fitted(seen, most_iterations=_ITERATIONS_AGAIN)
         for _ in range(_MOST_ROUNDS):
             again = self._under(flow).seen

@@ -8,10 +8,10 @@ from dropflow.droplets import Droplets
 from dropflow.tracking.grid import Column
 from dropflow.tracking.prediction import Motion
 from dropflow.tracking.probable.candidates import TAIL
-from dropflow.tracking.probable.directions import turned, unturned
+from dropflow.tracking.probable.directions import Up, turned, unturned
 from dropflow.tracking.probable.least_squares import Observations
 from dropflow.tracking.probable.regression import WaveFlow
-from dropflow.tracking.probable.ways import is_far, ways
+from dropflow.tracking.probable.ways import Ways, is_far, ways
 
 
 def observe(
@@ -44,35 +44,44 @@ def observe(
     )
 
 
-def along_ways(seen: Observations, flow: WaveFlow, px_per_um_s: float) -> Observations:
-    """The same velocities as those that droplets had half-way through a flow, at the places where they were then.
+def along(seen: Observations, thought: Ways, up: Up, px_per_um_s: float) -> Observations:
+    """The same velocities as those that droplets had half-way, at the places where they were then.
 
-    `observe` takes the way for straight and the velocity for that in its middle. Of droplets that go far in a step
-    neither is true: what `flow` makes of their way is taken off.
+    `observe` takes ways for straight and the velocity for that in their middle. Of droplets that go far in a step
+    neither is true; they went as was thought, but for the little by which they came out elsewhere.
 
     Parameters
     ----------
     seen : Observations
         As `observe` gives them, shape (n,).
-    flow : WaveFlow
-        The flow of this step or, as it changes little, of the one before.
+    thought : Ways
+        Of these droplets, shape (n,), from the same starts.
+    up : (float, float)
     px_per_um_s : float
         Displacement in the step by a velocity of 1 um/s, px.
     """
-    up = flow.model.up
-    step_px = unturned(seen.across_um_s, seen.along_um_s + seen.sedimentation_um_s, up) * px_per_um_s
-    far = np.flatnonzero(is_far(flow, step_px))
-    if not len(far):
+    step_px = _step_px(seen, up, px_per_um_s)
+    x_px, y_px = thought.middle_px + (step_px - thought.step_px) / 2
+    velocity = thought.velocity_um_s + (step_px - thought.step_px) / px_per_um_s
+    across, along_up = turned(velocity[0], velocity[1], up)
+    return replace(
+        seen, x_px=x_px, y_px=y_px, across_um_s=across, along_um_s=np.asarray(along_up - seen.sedimentation_um_s)
+    )
+
+
+def along_flow(seen: Observations, flow: WaveFlow, px_per_um_s: float) -> Observations:
+    """As `along`, with the ways in the flow of this step or, as it changes little, of the one before."""
+    step_px = _step_px(seen, flow.model.up, px_per_um_s)
+    if not is_far(flow, step_px).any():
         return seen
-    step_px, sedimentation = step_px[:, far], seen.sedimentation_um_s[far]
-    x, y, across, along = (values.copy() for values in (seen.x_px, seen.y_px, seen.across_um_s, seen.along_um_s))
-    own = np.outer(up, sedimentation * (1 + flow.stokes_error[0]))
-    thought = ways(flow, np.stack([x[far], y[far]]) - step_px / 2, own * px_per_um_s, px_per_um_s)
-    x[far], y[far] = thought.middle + (step_px - thought.step) / 2
-    velocity = flow.at(*thought.middle) + own + (step_px - thought.step) / px_per_um_s
-    across[far], total = turned(velocity[0], velocity[1], up)
-    along[far] = total - sedimentation
-    return replace(seen, x_px=x, y_px=y, across_um_s=across, along_um_s=along)
+    start_px = np.stack([seen.x_px, seen.y_px]) - step_px / 2
+    own_um_s = np.outer(flow.model.up, seen.sedimentation_um_s * (1 + flow.stokes_error[0]))
+    return along(seen, ways(flow, start_px, own_um_s, px_per_um_s), flow.model.up, px_per_um_s)
+
+
+def _step_px(seen: Observations, up: Up, px_per_um_s: float) -> Column:
+    """From start to end, shape (2, n)."""
+    return unturned(seen.across_um_s, seen.along_um_s + seen.sedimentation_um_s, up) * px_per_um_s
 
 
 def deviations(seen: Observations, flow: WaveFlow) -> tuple[Column, Column]:

@@ -15,37 +15,43 @@ _SHORT_LENGTHS = 0.25
 
 @dataclass(frozen=True)
 class Ways:
-    """Each attribute of shape (2, n), px, in image axes."""
+    """From start to end of a step; each attribute of shape (2, n), in image axes."""
 
-    middle: Column
-    """Half of the time after the start."""
-    step: Column
+    middle_px: Column
+    """Place when half of the time has gone."""
+    velocity_um_s: Column
+    """Of the droplets there."""
+    step_px: Column
     """From start to end."""
 
+    def __getitem__(self, which: npt.NDArray[np.int64]) -> "Ways":
+        return Ways(self.middle_px[:, which], self.velocity_um_s[:, which], self.step_px[:, which])
 
-def ways(flow: WaveFlow, start: Column, own_px: Column, px_per_um_s: float) -> Ways:
-    """Where droplets go that the flow carries while they move by `own_px` in it.
+
+def ways(flow: WaveFlow, start_px: Column, own_um_s: Column, px_per_um_s: float) -> Ways:
+    """Where droplets go that the flow carries while they move in it.
 
     Parameters
     ----------
     flow : WaveFlow
         Constant during the step.
-    start : ndarray, float64, shape (2, n)
-    own_px : ndarray, float64, shape (2, n)
-        Displacement by sedimentation and the like in the whole step, px.
+    start_px : ndarray, float64, shape (2, n)
+    own_um_s : ndarray, float64, shape (2, n)
+        Velocity in the flow: sedimentation and the like.
     px_per_um_s : float
         Displacement in the step by a velocity of 1 um/s, px; negative back in time.
     """
-    step = _step(flow, start, own_px, px_per_um_s)
-    middle = start + step / 2
+    own_px = own_um_s * px_per_um_s
+    step = _step(flow, start_px, own_px, px_per_um_s)
+    middle = start_px + step / 2
     far = np.flatnonzero(is_far(flow, step))
     if len(far):
         longest_lengths = np.hypot(*step[:, far]).max() / flow.model.spectrum.length_px
         n_steps = math.ceil(longest_lengths / (2 * _SHORT_LENGTHS))
-        half_way = _path(flow, start[:, far], own_px[:, far] / 2, px_per_um_s / 2, n_steps)
+        half_way = _path(flow, start_px[:, far], own_px[:, far] / 2, px_per_um_s / 2, n_steps)
         end = _path(flow, half_way, own_px[:, far] / 2, px_per_um_s / 2, n_steps)
-        middle[:, far], step[:, far] = half_way, end - start[:, far]
-    return Ways(middle, step)
+        middle[:, far], step[:, far] = half_way, end - start_px[:, far]
+    return Ways(middle, own_um_s + flow.at(*middle), step)
 
 
 def is_far(flow: WaveFlow, step_px: Column) -> npt.NDArray[np.bool_]:

@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 
 from dropflow.tracking.probable.directions import turned
 from dropflow.tracking.probable.least_squares import Observations
-from dropflow.tracking.probable.observing import along_ways
+from dropflow.tracking.probable.observing import along_flow
 from dropflow.tracking.probable.regression import WaveFlow, regress
 from dropflow.tracking.probable.ways import ways
 from tests.dropflow.tracking.probable.test_regression import UP, model, observations
@@ -44,12 +44,12 @@ def starts(n: int = 80) -> tuple[Floats, Floats]:
 def test_ways_lead_where_a_solver_says(flow: WaveFlow, px_per_um_s: float) -> None:
     """Short and long, forward and back; in thousandths of how far they lead."""
     start, own = starts()
-    found = ways(flow, start, own * px_per_um_s, px_per_um_s)
-    error = np.hypot(*(start + found.step - solved(flow, start, own, px_per_um_s)))
-    length = np.hypot(*found.step)
+    found = ways(flow, start, own, px_per_um_s)
+    error = np.hypot(*(start + found.step_px - solved(flow, start, own, px_per_um_s)))
+    length = np.hypot(*found.step_px)
     assert np.sqrt((error**2).mean()) < 0.01 * np.sqrt((length**2).mean())
     half = solved(flow, start, own, px_per_um_s / 2)
-    off = np.hypot(*(found.middle - half))
+    off = np.hypot(*(found.middle_px - half))
     assert np.sqrt((off**2).mean()) < 0.03 * np.sqrt((length**2).mean())
 
 
@@ -69,7 +69,7 @@ def test_velocities_are_those_of_the_flow_however_far_droplets_go(flow: WaveFlow
     as_stokes_says[2] = -flow.model.factor_mean
     true = replace(flow, amplitudes=as_stokes_says)
     errors = []
-    for seen in (straight, along_ways(straight, true, px_per_um_s)):
+    for seen in (straight, along_flow(straight, true, px_per_um_s)):
         u, v = true.at(seen.x_px, seen.y_px)
         across, along = turned(u, v, UP)
         off = np.concatenate([seen.across_um_s - across, seen.along_um_s - along])
@@ -81,4 +81,4 @@ def test_velocities_are_those_of_the_flow_however_far_droplets_go(flow: WaveFlow
 def test_short_ways_are_left_as_they_are(flow: WaveFlow) -> None:
     """Bit for bit."""
     seen = observations(30)
-    assert along_ways(seen, flow, 0.1) is seen
+    assert along_flow(seen, flow, 0.1) is seen
