@@ -19,13 +19,19 @@ LATER = {
     Needs.TRACK: "It appears when the droplets are tracked.",
     Needs.ANALYSE: "It appears when the analysis is complete.",
 }
+NEVER = "The run ended before it came to this."
 
 
 def entries(
-    facts: FilmFacts, done: Collection[str], *, duration_s: float, is_example_kept: bool = True
+    facts: FilmFacts,
+    done: Collection[str],
+    *,
+    duration_s: float,
+    is_example_kept: bool = True,
+    is_ended: bool = False,
 ) -> list[FigureEntry]:
     """All figures; `done` are the stages that have left something, and perhaps a frame to show detection on."""
-    found = [_entry(entry, facts, done, duration_s) for entry in CATALOGUE]
+    found = [_entry(entry, facts, done, duration_s, is_ended) for entry in CATALOGUE]
     if is_example_kept or Needs.ANALYSE not in done:
         return found
     return [_of_a_chosen_frame(entry, "prepare" in done) if entry.name in WORKING_PANELS else entry for entry in found]
@@ -39,10 +45,10 @@ def _of_a_chosen_frame(entry: FigureEntry, is_prepared: bool) -> FigureEntry:
     return entry.model_copy(update={"parameters": chosen})
 
 
-def _entry(entry: Entry, facts: FilmFacts, done: Collection[str], duration_s: float) -> FigureEntry:
+def _entry(entry: Entry, facts: FilmFacts, done: Collection[str], duration_s: float, is_ended: bool) -> FigureEntry:
     reason = entry.drawing.missing(facts)
     if reason is None and entry.needs is not Needs.NOTHING and entry.needs not in done:
-        reason = LATER[entry.needs]
+        reason = NEVER if is_ended else LATER[entry.needs]
     return FigureEntry(
         name=FigureName(entry.name),
         title=entry.title,

@@ -105,7 +105,13 @@ def catalogue(asker: Asker) -> list[FigureEntry]:
     facts = film.facts_of(run, (stack.rows or 1, stack.columns or 1))
     done = asker.done
     is_example_kept = "analyse" in done and _has(asker.product("analyse"), EXAMPLE_FILE)
-    return entries(facts, done, duration_s=stack.duration_s or 0.0, is_example_kept=is_example_kept)
+    return entries(
+        facts,
+        done,
+        duration_s=stack.duration_s or 0.0,
+        is_example_kept=is_example_kept,
+        is_ended=run.state in (RunState.FAILED, RunState.CANCELLED),
+    )
 
 
 def figure(asker: Asker, store: ObjectStore, kept: Kept, name: FigureName, query: FigureQuery) -> str:

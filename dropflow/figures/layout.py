@@ -34,7 +34,7 @@ _CAPTION_LINE_PX = 15
 
 def new_figure(title: str, caption: str = "", *, width_px: int = WIDTH_PX, height_px: int = HEIGHT_PX) -> go.Figure:
     """An empty figure with the common look; `caption` stands below the axes."""
-    lines = wrap(caption, _CAPTION_CHARACTERS)
+    lines = wrap(caption, _CAPTION_CHARACTERS, break_on_hyphens=False)
     bottom_px = 70 + _CAPTION_LINE_PX * len(lines)
     figure = go.Figure(
         layout={

@@ -74,9 +74,10 @@ class _Lines:
     breaks: npt.NDArray[np.int64]
 
     def draw(self, values: Floats, axis: str, **look: Any) -> None:
-        """One line."""
+        """One line; a point where there is but one frame, of which no line shows."""
+        mode = "lines" if len(self.time) > 1 else "markers"
         x, y = (np.insert(of.astype(np.float32), self.breaks, np.nan) for of in (self.time, values))
-        self.figure.add_scatter(x=x, y=y, yaxis=axis, mode="lines", **look)
+        self.figure.add_scatter(x=x, y=y, yaxis=axis, mode=mode, **look)
 
     def add(self, value: Floats, std: Floats, name: str, colour: str, axis: str) -> None:
         """A line with a shaded band of one standard deviation."""

@@ -40,7 +40,8 @@ class TemperatureLog:
         if times_s.size and (times_s.min() < self.time_s[0] or times_s.max() > self.time_s[-1]):
             raise _problem(
                 f"covers {self.time_s[0]:g} to {self.time_s[-1]:g} s, "
-                f"but the film lasts from {times_s.min():g} to {times_s.max():g} s"
+                f"but the film lasts from {times_s.min():g} to {times_s.max():g} s",
+                hint="Correct the times of the frames (frame_interval_s), or give a log that covers the whole film.",
             )
         return np.asarray(np.interp(times_s, self.time_s, self.temperature_c))
 
@@ -111,12 +112,13 @@ def _check(log: TemperatureLog, path: str | None, longest_gap_s: float) -> None:
         raise _problem(f"begins at {log.temperature_c[0]:g}: this can only be kelvin, °C are asked for", file=path)
 
 
-def _problem(message: str, *, file: str | None = None) -> ExperimentError:
+def _problem(message: str, *, file: str | None = None, hint: str | None = None) -> ExperimentError:
     return ExperimentError(
         "The temperature log cannot be used.",
         code="experiment.temperature_log",
         file=file,
         fields=[FieldProblem("temperature_log", message)],
+        hint=hint,
     )
 
 

@@ -7,6 +7,7 @@ from sqlalchemy import select, update
 
 from backend.models import Product, Run, Shard
 from backend.models.states import ShardState
+from backend.results.catalogue import LATER, NEVER
 from tests.films import PARAMETERS
 from tests.house import House, Json
 from worker.shards import look_at
@@ -117,6 +118,10 @@ def test_a_run_that_waits_is_cancelled_at_once_and_never_begins(house: House) ->
     assert (cancelled["state"], _states(cancelled)) == ("cancelled", ["cancelled"] * 3)
     house.work()
     assert house.again(run)["state"] == "cancelled"
+    figures = house.ok(house.api.get(f"runs/{run['id']}/figures"))["items"]
+    reasons = {entry["reason"] for entry in figures if not entry["is_available"]}
+    assert NEVER in reasons
+    assert not reasons & set(LATER.values())
     assert house.waiting() == []
 
 

@@ -17,6 +17,7 @@ import { RunActions } from "./RunActions";
 import { RunName, StateBadge } from "./RunBadges";
 import { Stages } from "./StageProgress";
 import { isActive } from "./states";
+import { nDroplets } from "./summary";
 
 const route = getRouteApi("/runs/$runId");
 
@@ -59,6 +60,7 @@ export function RunPage() {
           <Stack gap="md">
             <Outcome run={loaded} />
             {experiment.data?.stack.n_frames === 1 && <OneFrame />}
+            {nDroplets(loaded.summary) === 0 && <NoDroplets />}
             <KeyNumbers run={loaded} />
             <ResultTabs run={loaded} experiment={experiment.data} />
           </Stack>
@@ -75,6 +77,17 @@ function OneFrame() {
       Droplets are found and their sizes shown as detected. Nothing can be followed, so that whatever needs
       motion or time stays empty: trajectories, flow, growth. For these, make a new experiment with two frames
       or more.
+    </Alert>
+  );
+}
+
+/** Nothing went wrong, and all is empty: what usually is the reason. */
+function NoDroplets() {
+  return (
+    <Alert color="orange" role="status" title="No droplet was found">
+      Look at the frames under “Droplets”. If droplets can be seen there, see whether the experiment says
+      rightly that they are bright or dark, and what size a pixel has; then choose “Run with other
+      parameters”: its preview shows what is found and why the rest is rejected.
     </Alert>
   );
 }

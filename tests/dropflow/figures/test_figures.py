@@ -115,6 +115,18 @@ def test_a_caption_stands_under_the_figure() -> None:
     assert "ramp 3" in words_of(figures.moments(simulated_histograms(2), area_um2=1.0, caption=caption))
 
 
+def test_a_long_caption_breaks_between_words_and_not_within_names() -> None:
+    name = "water-isobutoxyethanol-illustrative"
+    for n_before in range(60, 120):
+        words = words_of(figures.moments(simulated_histograms(2), area_um2=1.0, caption=f"{'x' * n_before} {name}"))
+        assert name in words
+
+
+def test_moments_of_one_frame_are_points() -> None:
+    shown = figures.moments(simulated_histograms(1), area_um2=1.0)
+    assert {trace.mode for trace in shown.data if trace.name} == {"markers"}
+
+
 @pytest.mark.parametrize(
     ("value", "std", "said"),
     [
