@@ -78,16 +78,22 @@ class Surroundings:
     grid: Grid
     motion: Motion
 
-    def step_px(self, seen: Sightings, rows: Indices, flow_um_s: Column, step: Indices, dt_s: Column) -> Column:
-        """How far droplets should move in a step each, shape (2, n); with their own velocity where no flow is known.
+    def places_px(
+        self, seen: Sightings, rows: Indices, flow_um_s: Column, step: Indices, dt_s: Column, sense: int
+    ) -> Column:
+        """Where droplets would be in the frame after (`sense` 1) or before (-1), shape (2, n).
 
-        `flow_um_s` are the fields of some steps, shape (n_steps, 2, n_rows, n_columns), `step` says which is whose.
+        Each goes on with the velocity that it had, which knows of its material and its own ways, changed by as much as
+        the flow changes on its way. `flow_um_s` are the fields of some steps, shape (n_steps, 2, n_rows, n_columns),
+        `step` says which is whose.
         """
-        own = np.nan_to_num(np.stack([seen.u_um_s[rows], seen.v_um_s[rows]]))
-        carried = bilinear(self.grid, flow_um_s.swapaxes(0, 1), seen.x_px[rows], seen.y_px[rows], step=step)
-        carried += np.outer(self.motion.up, seen.sedimentation_um_s[rows])
-        velocity_um_s = np.where(np.isfinite(carried), carried, own)
-        return np.asarray(velocity_um_s * (dt_s / self.motion.pixel_size_um))
+        fields = flow_um_s.swapaxes(0, 1)
+        here_px = np.stack([seen.x_px[rows], seen.y_px[rows]])
+        own_um_s = np.nan_to_num(np.stack([seen.u_um_s[rows], seen.v_um_s[rows]]))
+        way_px = sense * own_um_s * (dt_s / self.motion.pixel_size_um)
+        ahead, behind = (bilinear(self.grid, fields, *(here_px + side * way_px / 2), step=step) for side in (1, -1))
+        change_um_s = np.nan_to_num(ahead - behind)
+        return np.asarray(here_px + way_px + sense * change_um_s * (dt_s / self.motion.pixel_size_um))
 
     def is_cut(self, x_px: Column, y_px: Column, r_px: Column) -> npt.NDArray[np.bool_]:
         """Whether the border of the frame takes a good part of a droplet here."""
@@ -121,10 +127,8 @@ def events_of_steps(
     step = seen.frame[ends] - steps.start
     before_step = seen.frame[begins] - 1 - steps.start
     dt_s = np.diff(times_s[steps.start : steps.stop + 1])
-    next_px = np.stack([seen.x_px[ends], seen.y_px[ends]])
-    next_px += around.step_px(seen, ends, flow_um_s, step, dt_s[step])
-    before_px = np.stack([seen.x_px[begins], seen.y_px[begins]])
-    before_px -= around.step_px(seen, begins, flow_um_s, before_step, dt_s[before_step])
+    next_px = around.places_px(seen, ends, flow_um_s, step, dt_s[step], 1)
+    before_px = around.places_px(seen, begins, flow_um_s, before_step, dt_s[before_step], -1)
     mergers = find_mergers(seen, ends, next_px, begins)
     is_end = ~np.isin(ends, [parent for merger in mergers for parent in merger.ended])
     is_birth = ~np.isin(begins, [merger.product for merger in mergers])

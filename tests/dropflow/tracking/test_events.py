@@ -74,6 +74,16 @@ def test_a_droplet_that_takes_another_up_must_have_grown_by_it(tmp_path: Path) -
     assert not [row for row in same if row["kind"] == "coalescence"]
 
 
+def test_a_coalescence_is_seen_whatever_the_material_is_said_to_be(tmp_path: Path) -> None:
+    """Droplets go on as they went, not as Stokes says: here he says that these move by twice their radius in a step."""
+    given = paths(r_1=12, r_2=12, r_after=12 * 2 ** (1 / 3))
+    mistaken = replace(given, experiment=experiment(-140.0))
+    motion = Motion.of(mistaken.experiment, resolve(mistaken.experiment))
+    assert np.hypot(*motion.sinking_px(np.array([12.0]), 1.0)) > 24
+    rows = events(mistaken, tmp_path)
+    assert [row["frame"] for row in rows if row["kind"] == "coalescence"] == [UNITED]
+
+
 def test_volumes_that_do_not_add_up_are_no_event(tmp_path: Path) -> None:
     rows = events(paths(r_1=12, r_2=12, r_after=9), tmp_path)
     assert not [row for row in rows if row["kind"] == "coalescence"]
