@@ -4,6 +4,7 @@ import { useEffect } from "react";
 import type { Experiment, Run } from "../client";
 import { later, whenIdle } from "../platform/later";
 import { Loading } from "../platform/QueryView";
+import { useFrameAhead } from "./ahead";
 import { TABS, type Tab } from "./view";
 
 const SizesTab = later(async () => (await import("./SizesTab")).SizesTab);
@@ -34,12 +35,13 @@ const TAB_TITLES: Record<Tab, string> = {
 
 /** The results of a run, one tab a question; each comes with its first use. */
 export function ResultTabs({ run, experiment }: { run: Run; experiment: Experiment | undefined }) {
-  const { tab = "sizes" } = route.useSearch();
+  const { tab = "sizes", frame = 0 } = route.useSearch();
   const navigate = route.useNavigate();
   const choose = (next: string | null) =>
     navigate({ search: (old) => ({ ...old, tab: next as Tab }), resetScroll: false });
   // The others are a few kilobytes each: there before somebody asks for them. What fails is tried again then.
   useEffect(() => whenIdle(() => void Promise.allSettled(OTHERS.map(({ preload }) => preload()))), []);
+  useFrameAhead(run, experiment, frame);
   return (
     <Tabs value={tab} onChange={choose} keepMounted={false}>
       <Tabs.List mb="md">
