@@ -4,7 +4,7 @@ import { ProblemAlert } from "../platform/ProblemAlert";
 import { toProblem } from "../platform/problem";
 import { Loading } from "../platform/QueryView";
 import type { Painter } from "./pen";
-import { type FrameSource, sideFor, usePicture } from "./pictures";
+import { type FrameSource, usePicture } from "./pictures";
 import { type OnPick, usePointer } from "./pointer";
 import { paintStamp } from "./stamp";
 import { type Tone, toned } from "./tone";
@@ -42,7 +42,7 @@ export function FrameCanvas({
   const { onShown, onPick } = on;
   const { ref, width } = useElementSize();
   const dpr = window.devicePixelRatio || 1;
-  const picture = usePicture(source, frame, sideFor(Math.max(width, 1) * dpr * view.zoom));
+  const picture = usePicture(source, frame, width * dpr * view.zoom);
   const pixels = on.picture ?? picture.data;
   const shown = useMemo(() => (pixels ? toned(pixels, tone) : null), [pixels, tone]);
   const below = useRef<HTMLCanvasElement>(null);

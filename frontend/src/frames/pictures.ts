@@ -60,16 +60,21 @@ export function pictureQuery(source: FrameSource, frame: number, max_side: numbe
   });
 }
 
-/** The picture of a frame; until it is there, the one before stays. Its neighbours are fetched ahead. */
-export function usePicture(source: FrameSource, frame: number, max_side: number) {
+/**
+ * The picture of a frame `width_px` wide; until it is there, the one before stays. Its neighbours are fetched ahead,
+ * once the width is known.
+ */
+export function usePicture(source: FrameSource, frame: number, width_px: number) {
+  const max_side = sideFor(width_px);
+  const isMeasured = width_px > 0;
   const cache = useQueryClient();
   const query = useQuery({ ...pictureQuery(source, frame, max_side), placeholderData: keepPreviousData });
   const isThere = query.isSuccess && !query.isPlaceholderData;
   useEffect(() => {
-    if (!isThere) return;
+    if (!isThere || !isMeasured) return;
     for (const near of neighbours(frame, source.n_frames))
       void cache.prefetchQuery(pictureQuery(source, near, max_side));
-  }, [isThere, frame, max_side, source, cache]);
+  }, [isThere, isMeasured, frame, max_side, source, cache]);
   return query;
 }
 
