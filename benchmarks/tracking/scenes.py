@@ -25,7 +25,7 @@ def draw_scene(out: Path, name: str, seed: int, n_frames: int) -> None:
     analysed(film, Parameters(), film / "droplets.parquet", film / "results")
     draw_film(film / "frames", film / "results", out / name, every=4)
     given = detected_droplets(film, film / "droplets.parquet", n_frames, (size["height_px"], size["width_px"]))
-    rows = score(given, pq.read_table(film / "results" / "trajectories.parquet"), film / "results" / "flow.zarr")
+    rows = score(given, pq.read_table(film / "results" / "trajectories.parquet"), film / "results")
     print(rows.row(name, "dropflow, from images"), flush=True)
 
 
