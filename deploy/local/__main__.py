@@ -1,5 +1,10 @@
-"""`python -m deploy.local`: everything on this machine until Ctrl-C. `make run` starts it."""
+"""`python -m deploy.local`: everything on this machine until Ctrl-C. `make run` starts it.
 
+It takes no arguments. Its environment says the rest: PORT (8000), DATA (folder, ./data), DATABASE_URL and REDIS_URL
+(servers of your own instead of the embedded ones), DEMO (0: without the example film).
+"""
+
+import argparse
 import os
 import sys
 
@@ -12,6 +17,7 @@ from deploy.local.signals import StopRequested, stop_on_signals
 
 def main() -> int:
     """Run; 0 after an orderly stop, 2 where nothing could be started, 1 where something broke."""
+    argparse.ArgumentParser(prog="python -m deploy.local", description=__doc__).parse_args()
     try:
         options = read_options(os.environ)
         with stop_on_signals(), open_folder(options) as folder, Instance(options, folder, say) as instance:

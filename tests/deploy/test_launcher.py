@@ -96,6 +96,23 @@ def is_gone(pids: dict[str, int], within_s: float) -> bool:
 
 
 @pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="processor time is read from /proc")
+@pytest.mark.parametrize(("argument", "code"), [("--help", 0), ("--port=9", 2)])
+def test_arguments_start_nothing(argument: str, code: int, tmp_path: Path) -> None:
+    """Help says what the environment says; anything else is refused."""
+    told = subprocess.run(
+        [sys.executable, "-m", "deploy.local", argument],
+        env={**os.environ, "DATA": str(tmp_path / "data"), "PYTHONPATH": str(ROOT)},
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    assert told.returncode == code
+    assert ("DATA" in told.stdout) if code == 0 else (argument in told.stderr)
+    assert not (tmp_path / "data").exists()
+
+
 def test_data_is_kept_over_a_stop_and_the_second_start_is_quick(launch: Callable[..., Launcher]) -> None:
     port = free_port()
     first = launch(port=port)
